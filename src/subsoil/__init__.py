@@ -1,0 +1,1 @@
+"""Adaptive soil-compaction surveying."""

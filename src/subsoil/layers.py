@@ -1,0 +1,179 @@
+"""Depth layers, and what a push says about each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.errors import ParameterError
+from subsoil.penetrometer import Profile
+
+Floats = NDArray[np.float64]
+
+
+class LayerState(IntEnum):
+    """What a sample knows of a layer.
+
+    A layer that was not reached is neither missing at random nor zero: the push ended above it.
+    """
+
+    MEASURED = 0
+    """The push went through the whole layer; its value is the mean resistance."""
+    AT_LEAST = 1
+    """The force limit ended the push inside the layer; its value is a lower bound."""
+    UNREACHED = 2
+    """The push ended above the layer; it has no value (NaN)."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Soil strength by layer at one place.
+
+    Attributes
+    ----------
+    at
+        Easting and northing in m.
+    kpa
+        (m,) layer means in kPa; a lower bound where the state says so, NaN where unreached.
+    state
+        (m,) :class:`LayerState` of each layer.
+    error_variance
+        Variance of the reading around the soil's own value in kPa2, beyond the nugget.
+    """
+
+    at: tuple[float, float]
+    kpa: Floats
+    state: NDArray[np.int8]
+    error_variance: float = 0.0
+
+    def __post_init__(self) -> None:
+        for array in (self.kpa, self.state):
+            array.setflags(write=False)
+
+    @property
+    def measured_kpa(self) -> Floats:
+        """(m,) layer means, NaN for every layer that was not measured through."""
+        return np.where(self.state == LayerState.MEASURED, self.kpa, np.nan)
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Bands of depth, top first.
+
+    Parameters
+    ----------
+    edges_m
+        (m + 1,) increasing depths in m of the bands' edges. Default: eight bands of 5 cm down to
+        0.40 m, as in the paper.
+    weights
+        (m,) importance of each layer in the field's mean kriging variance; they are scaled to sum
+        to one. Default: all the same, as in the paper.
+
+    Raises
+    ------
+    ParameterError
+        If edges do not increase from 0 or deeper, or weights are negative, all zero or of another
+        number than the layers.
+
+    Examples
+    --------
+    >>> Layers((0.0, 0.1, 0.3)).names
+    ('0.00-0.10 m', '0.10-0.30 m')
+    """
+
+    edges_m: tuple[float, ...] = tuple(round(0.05 * k, 2) for k in range(9))
+    weights: tuple[float, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        edges = np.asarray(self.edges_m, dtype=float)
+        if edges.size < 2 or not np.all(np.isfinite(edges)) or edges[0] < 0:
+            raise ParameterError(
+                "layers need at least two finite edges, from the surface down",
+                where="layer edges",
+                remedy="for instance 0, 0.1, 0.2, 0.4 (metres)",
+            )
+        if np.any(np.diff(edges) <= 0):
+            raise ParameterError(
+                f"edges {edges.tolist()} do not increase",
+                where="layer edges",
+                remedy="give them in metres, positive down, shallowest first",
+            )
+        if edges[-1] > 3:
+            raise ParameterError(
+                f"the deepest edge is {edges[-1]:g} m",
+                where="layer edges",
+                remedy="edges are in metres, not centimetres",
+            )
+        object.__setattr__(self, "edges_m", tuple(edges.tolist()))
+        weights = np.asarray(self.weights or (1.0,) * (edges.size - 1), dtype=float)
+        if weights.size != edges.size - 1 or np.any(weights < 0) or not weights.sum() > 0:
+            raise ParameterError(
+                f"{edges.size - 1} layers need as many weights, none negative, not all zero",
+                where="layer weights",
+            )
+        object.__setattr__(self, "weights", tuple((weights / weights.sum()).tolist()))
+
+    def __len__(self) -> int:
+        return len(self.edges_m) - 1
+
+    @property
+    def top_m(self) -> Floats:
+        """(m,) upper edges in m."""
+        return np.array(self.edges_m[:-1])
+
+    @property
+    def bottom_m(self) -> Floats:
+        """(m,) lower edges in m."""
+        return np.array(self.edges_m[1:])
+
+    @property
+    def centre_m(self) -> Floats:
+        """(m,) centres in m."""
+        return (self.top_m + self.bottom_m) / 2
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """One name a layer, such as ``"0.15-0.20 m"``."""
+        pairs = zip(self.edges_m[:-1], self.edges_m[1:], strict=True)
+        return tuple(f"{top:.2f}-{bottom:.2f} m" for top, bottom in pairs)
+
+    def sample(
+        self, profile: Profile, at: Sequence[float], *, error_variance: float = 0.0
+    ) -> Sample:
+        """Mean of a profile over each layer.
+
+        A reading at depth d stands for the soil since the reading above, so layer (a, b] takes
+        the readings with a < d <= b. A layer is measured when the readings reach its lower edge
+        to within half their spacing. Where the force limit ended the push inside a layer, the
+        rest of that layer counts with the last reading and the mean is a lower bound.
+
+        Parameters
+        ----------
+        profile
+            Soil strength by depth.
+        at
+            Easting and northing in m.
+        error_variance
+            Variance of the reading beyond the nugget, in kPa2.
+        """
+        depth, kpa = profile.depth_m, profile.kpa
+        values = np.full(len(self), np.nan)
+        state = np.full(len(self), LayerState.UNREACHED, dtype=np.int8)
+        spacing = float(np.median(np.diff(depth))) if depth.size > 1 else 0.0
+        end = depth[-1] if depth.size else 0.0
+        for k, (top, bottom) in enumerate(zip(self.top_m, self.bottom_m, strict=True)):
+            inside = (depth > top + 1e-9) & (depth <= bottom + 1e-9)
+            if not inside.any():
+                continue
+            mean = kpa[inside].mean()
+            if end >= bottom - spacing / 2 - 1e-9:
+                values[k], state[k] = mean, LayerState.MEASURED
+            elif profile.ending == "force":
+                gone = (end - top) / (bottom - top)
+                values[k] = gone * mean + (1 - gone) * kpa[-1]
+                state[k] = LayerState.AT_LEAST
+        return Sample((float(at[0]), float(at[1])), values, state, error_variance)

@@ -1,0 +1,1 @@
+"""Variograms: models, empirical estimates and fits."""
