@@ -1,1 +1,46 @@
-"""Adaptive soil-compaction surveying."""
+"""Adaptive soil-compaction surveying: krige while you probe, re-plan after every reading."""
+
+from subsoil.field import Field
+from subsoil.kriging import OrdinaryKriging, Prediction, condition
+from subsoil.layers import Layers, LayerState, Sample
+from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, Cone, Insertion, Profile, profile
+from subsoil.variogram.models import (
+    BoundedLinear,
+    Circular,
+    Exponential,
+    Gaussian,
+    Matern32,
+    Matern52,
+    Power,
+    PureNugget,
+    Spherical,
+    Variogram,
+    semivariance,
+)
+
+__all__ = [
+    "LARGE_CONE",
+    "SMALL_CONE",
+    "BoundedLinear",
+    "Circular",
+    "Cone",
+    "Exponential",
+    "Field",
+    "Gaussian",
+    "Insertion",
+    "LayerState",
+    "Layers",
+    "Matern32",
+    "Matern52",
+    "OrdinaryKriging",
+    "Power",
+    "Prediction",
+    "Profile",
+    "PureNugget",
+    "Sample",
+    "Spherical",
+    "Variogram",
+    "condition",
+    "profile",
+    "semivariance",
+]

@@ -11,18 +11,18 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
-from shapely.geometry import LinearRing, MultiPolygon, Polygon
-from shapely.validation import explain_validity
 
 from subsoil.errors import BoundaryError, ParameterError
+from subsoil.frames import WGS84, check_metric, project, utm_crs
+from subsoil.outline import Area, check_extent, check_lonlat, check_outline, polygon
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-Area = Polygon | MultiPolygon
 
 _SQUARE_METRES_A_HECTARE = 10_000.0
 
@@ -71,7 +71,8 @@ class Field:
     Raises
     ------
     BoundaryError
-        If the outline is empty, crosses itself, is in degrees, or holds no cell.
+        If the outline is empty, crosses itself, is in degrees, or holds no cell; if the CRS is
+        unknown or does not measure in metres.
 
     Examples
     --------
@@ -91,12 +92,14 @@ class Field:
             raise ParameterError(
                 f"cells need a side in metres, not {self.cell_size:g}", where="cell size"
             )
-        _check_outline(self.boundary, self.name)
+        if self.crs:
+            check_metric(self.crs, self.name)
+        check_outline(self.boundary, self.name)
         for k, area in enumerate(self.keep_outs):
-            _check_outline(area, f"{self.name}, keep-out {k + 1}")
+            check_outline(area, f"{self.name}, keep-out {k + 1}")
         if not self._probeable.area > 0:
             raise BoundaryError("keep-outs cover the whole field", where=self.name)
-        _check_extent(self.boundary, self.cell_size, self.name)
+        check_extent(self.boundary, self.cell_size, self.name)
         if not len(self.cells):
             raise BoundaryError(
                 f"no cell of {self.cell_size:g} m has its centre inside the field",
@@ -121,8 +124,8 @@ class Field:
         BoundaryError
             If the vertices do not make an outline.
         """
-        areas = tuple(_polygon(v, f"{name}, keep-out") for v in keep_outs)
-        return cls(_polygon(vertices, name), crs, areas, cell_size, name)
+        areas = tuple(polygon(v, f"{name}, keep-out") for v in keep_outs)
+        return cls(polygon(vertices, name), crs, areas, cell_size, name)
 
     @classmethod
     def from_lonlat(
@@ -142,10 +145,9 @@ class Field:
         BoundaryError
             If the outline is invalid, out of range, or looks as if latitude came first.
         """
-        if outline.is_empty:
-            raise BoundaryError("the outline is empty", where=name)
+        check_outline(outline, name)
+        check_lonlat(outline.bounds, name)
         west, south, east, north = outline.bounds
-        _check_lonlat(west, south, east, north, name)
         crs = utm_crs((west + east) / 2, (south + north) / 2)
         return cls(
             _to_metres(outline, crs),
@@ -162,8 +164,8 @@ class Field:
 
     @cached_property
     def _probeable(self) -> Area:
-        rest = shapely.difference(self.boundary, shapely.union_all(list(self.keep_outs)))
-        return rest if isinstance(rest, Polygon) else MultiPolygon(rest)
+        barred = shapely.union_all(list(self.keep_outs))
+        return cast("Area", shapely.difference(self.boundary, barred))
 
     @cached_property
     def grid(self) -> Grid:
@@ -186,8 +188,19 @@ class Field:
         return centres
 
     def nearest_cell(self, at: ArrayLike) -> int:
-        """Index of the cell whose centre is nearest to a place in m."""
-        return int(np.argmin(((self.cells - np.asarray(at, dtype=float)) ** 2).sum(axis=1)))
+        """Index of the cell whose centre is nearest to a place in m.
+
+        Raises
+        ------
+        ParameterError
+            If the place is not finite.
+        """
+        place = np.asarray(at, dtype=float)
+        if not np.isfinite(place).all():
+            raise ParameterError(
+                f"{place.tolist()} is no place", where=f"{self.name}, nearest cell"
+            )
+        return int(np.argmin(((self.cells - place) ** 2).sum(axis=1)))
 
     def contains(self, at: ArrayLike) -> NDArray[np.bool_]:
         """Whether (n, 2) places in m lie in the field, outside its keep-outs."""
@@ -202,7 +215,7 @@ class Field:
         ParameterError
             If the field lies in a local frame.
         """
-        return _project(self._geographic_crs(), self.crs, longitude, latitude)
+        return project(WGS84, self._named_crs(), longitude, latitude)
 
     def to_lonlat(self, at: ArrayLike) -> Floats:
         """(n, 2) WGS84 longitude and latitude in degrees of places in m.
@@ -213,135 +226,23 @@ class Field:
             If the field lies in a local frame.
         """
         at = np.atleast_2d(np.asarray(at, dtype=float))
-        return _project(self.crs, self._geographic_crs(), at[:, 0], at[:, 1])
+        return project(self._named_crs(), WGS84, at[:, 0], at[:, 1])
 
-    def _geographic_crs(self) -> str:
+    def _named_crs(self) -> str:
         if not self.crs:
             raise ParameterError(
                 "the field lies in a local frame without a place on Earth",
                 where=self.name,
                 remedy="give its boundary in longitude and latitude, or name its CRS",
             )
-        return "EPSG:4326"
-
-
-def utm_crs(longitude: float, latitude: float) -> str:
-    """EPSG code of the WGS84 UTM zone of a place.
-
-    Examples
-    --------
-    >>> utm_crs(-0.527, 53.26), utm_crs(151.2, -33.9)
-    ('EPSG:32630', 'EPSG:32756')
-    """
-    zone = min(int((longitude + 180) // 6) + 1, 60)
-    return f"EPSG:{(32600 if latitude >= 0 else 32700) + zone}"
-
-
-def _project(source: str, target: str, x: ArrayLike, y: ArrayLike) -> Floats:
-    from pyproj.transformer import TransformerGroup
-
-    group = TransformerGroup(source, target, always_xy=True)
-    if not group.best_available:
-        raise BoundaryError(
-            f"the exact transformation from {source} to {target} needs a grid that is missing",
-            where="CRS",
-            remedy="give coordinates as WGS84 longitude and latitude",
-        )
-    return np.column_stack(group.transformers[0].transform(np.asarray(x), np.asarray(y)))
+        return self.crs
 
 
 def _to_metres(area: Area, crs: str) -> Area:
-    return shapely.transform(area, lambda xy: _project("EPSG:4326", crs, xy[:, 0], xy[:, 1]))
+    return shapely.transform(area, lambda xy: project(WGS84, crs, xy[:, 0], xy[:, 1]))
 
 
 def _centres(low: float, high: float, size: float) -> Floats:
     first = math.floor(low / size + 1e-9)
     last = math.ceil(high / size - 1e-9)
     return (np.arange(first, last, dtype=float) + 0.5) * size
-
-
-def _polygon(vertices: ArrayLike, where: str) -> Polygon:
-    points = np.asarray(vertices, dtype=float)
-    if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 3:
-        raise BoundaryError(
-            f"an outline is three or more (easting, northing) pairs, not an array {points.shape}",
-            where=where,
-        )
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if bad.size:
-        raise BoundaryError("a vertex is not a number", where=f"{where}, vertex {bad[0] + 1}")
-    return Polygon(LinearRing(points))
-
-
-def _check_outline(area: Area, where: str) -> None:
-    if area.is_empty or area.geom_type not in ("Polygon", "MultiPolygon"):
-        raise BoundaryError(
-            f"the outline is {'empty' if area.is_empty else 'a ' + area.geom_type}, not a polygon",
-            where=where,
-            remedy="give one closed outline of the field",
-        )
-    if not area.is_valid:
-        raise BoundaryError(
-            f"the outline is not valid: {explain_validity(area)}",
-            where=where,
-            remedy="draw it in order around the field, without crossing itself",
-        )
-
-
-def _check_extent(area: Area, cell_size: float, where: str) -> None:
-    west, south, east, north = area.bounds
-    span = max(east - west, north - south)
-    if span < 1.0 and max(abs(west), abs(east)) <= 180 and max(abs(south), abs(north)) <= 90:
-        raise BoundaryError(
-            f"the outline is {span:.4g} m wide: these look like degrees, not metres",
-            where=where,
-            remedy="give longitude and latitude as GeoJSON or .coords, or project to metres",
-        )
-    if span / cell_size > 20_000:
-        raise BoundaryError(
-            f"the outline is {span / 1000:.0f} km wide, far more than {cell_size:g} m cells cover",
-            where=where,
-            remedy="check the coordinates, or use larger cells",
-        )
-
-
-def _check_lonlat(west: float, south: float, east: float, north: float, where: str) -> None:
-    if max(abs(west), abs(east)) > 180 or max(abs(south), abs(north)) > 90:
-        metric = max(abs(west), abs(east), abs(south), abs(north)) > 360
-        raise BoundaryError(
-            f"coordinates from ({west:g}, {south:g}) to ({east:g}, {north:g}) "
-            "are not longitude and latitude",
-            where=where,
-            remedy="they look like metres: name their CRS"
-            if metric
-            else "latitude and longitude look swapped: put longitude first",
-        )
-    longitude, latitude = (west + east) / 2, (south + north) / 2
-    swappable = max(abs(south), abs(north)) <= 90 and max(abs(west), abs(east)) <= 90
-    if not swappable:
-        return
-    if not _on_land(longitude, latitude) and _on_land(latitude, longitude):
-        raise BoundaryError(
-            f"longitude {longitude:.3f}, latitude {latitude:.3f} is open sea: "
-            "latitude and longitude look swapped",
-            where=where,
-            remedy="GeoJSON wants longitude first, .coords files want latitude first",
-        )
-
-
-def _on_land(longitude: float, latitude: float) -> bool:
-    """Whether a country's own map projection covers the place, by the EPSG registry."""
-    from pyproj.aoi import AreaOfInterest
-    from pyproj.database import query_crs_info
-    from pyproj.enums import PJType
-
-    here = AreaOfInterest(longitude, latitude, longitude, latitude)
-    found = query_crs_info("EPSG", PJType.PROJECTED_CRS, here, contains=True)
-    areas = (info.area_of_use for info in found if info.area_of_use)
-    return any(
-        "onshore" in area.name
-        and not area.name.startswith("Between")
-        and area.east - area.west < 25
-        for area in areas
-        if area.name
-    )

@@ -110,9 +110,10 @@ class Layers:
             )
         object.__setattr__(self, "edges_m", tuple(edges.tolist()))
         weights = np.asarray(self.weights or (1.0,) * (edges.size - 1), dtype=float)
-        if weights.size != edges.size - 1 or np.any(weights < 0) or not weights.sum() > 0:
+        usable = np.all(np.isfinite(weights) & (weights >= 0)) and weights.sum() > 0
+        if weights.size != edges.size - 1 or not usable:
             raise ParameterError(
-                f"{edges.size - 1} layers need as many weights, none negative, not all zero",
+                f"{edges.size - 1} layers need as many finite weights, none negative, not all zero",
                 where="layer weights",
             )
         object.__setattr__(self, "weights", tuple((weights / weights.sum()).tolist()))
@@ -138,8 +139,9 @@ class Layers:
     @property
     def names(self) -> tuple[str, ...]:
         """One name a layer, such as ``"0.15-0.20 m"``."""
+        digits = 2 if np.allclose(self.edges_m, np.round(self.edges_m, 2), atol=1e-9) else 3
         pairs = zip(self.edges_m[:-1], self.edges_m[1:], strict=True)
-        return tuple(f"{top:.2f}-{bottom:.2f} m" for top, bottom in pairs)
+        return tuple(f"{top:.{digits}f}-{bottom:.{digits}f} m" for top, bottom in pairs)
 
     def sample(
         self, profile: Profile, at: Sequence[float], *, error_variance: float = 0.0
@@ -147,9 +149,10 @@ class Layers:
         """Mean of a profile over each layer.
 
         A reading at depth d stands for the soil since the reading above, so layer (a, b] takes
-        the readings with a < d <= b. A layer is measured when the readings reach its lower edge
-        to within half their spacing. Where the force limit ended the push inside a layer, the
-        rest of that layer counts with the last reading and the mean is a lower bound.
+        the readings with a < d <= b, and a layer between two readings takes the lower one. A
+        layer is measured when the readings reach its lower edge to within half their spacing.
+        Where the force limit ended the push inside a layer, the rest of that layer counts with
+        the last reading and the mean is a lower bound.
 
         Parameters
         ----------
@@ -167,6 +170,8 @@ class Layers:
         end = depth[-1] if depth.size else 0.0
         for k, (top, bottom) in enumerate(zip(self.top_m, self.bottom_m, strict=True)):
             inside = (depth > top + 1e-9) & (depth <= bottom + 1e-9)
+            if not inside.any():
+                inside = depth == depth[depth > bottom].min(initial=np.inf)
             if not inside.any():
                 continue
             mean = kpa[inside].mean()

@@ -144,7 +144,8 @@ def _check_series(depth_m: Floats, values: Floats, name: str) -> None:
             f"{depth_m.size} depths do not pair with {values.size} {name} readings",
             remedy="give one depth a reading",
         )
-    if depth_m.size and (depth_m[0] < 0 or np.any(np.diff(depth_m) <= 0)):
+    descending = np.all(np.diff(depth_m) > 0) and np.all(np.isfinite(depth_m))
+    if depth_m.size and not (descending and depth_m[0] >= 0):
         raise ReadingsError(
             "depths must increase downwards from the surface",
             remedy="give depth in metres, positive down, shallowest first",

@@ -1,1 +1,73 @@
-"""Variograms: models, empirical estimates and fits."""
+"""Variograms: how much soil differs, by the distance between two places.
+
+From samples to a model: :func:`empirical` bins the differences of all pairs of samples,
+:func:`fit` fits a :class:`Bounded` model to the bins and reports how that went. A survey has an
+:data:`Estimator` do both for all layers after a reading, such as :class:`LeastSquares`.
+
+Examples
+--------
+>>> import numpy as np
+>>> at = np.random.default_rng(1).uniform(0, 100, (60, 2))
+>>> kpa = 1500 + 300 * np.sin(at[:, 0] / 20)
+>>> found = fit(empirical(at, kpa), Spherical)
+>>> found.variogram.range > 30, found.is_prior
+(True, False)
+"""
+
+from subsoil.variogram.empirical import EmpiricalVariogram, Formula, empirical, empirical_layers
+from subsoil.variogram.estimators import (
+    ESTIMATORS,
+    Estimator,
+    LeastSquares,
+    estimator_named,
+    paper_10,
+)
+from subsoil.variogram.fitting import Fit, Weights, fit, fit_layers
+from subsoil.variogram.models import (
+    MODELS,
+    Bounded,
+    BoundedLinear,
+    Circular,
+    Exponential,
+    Gaussian,
+    Matern32,
+    Matern52,
+    Power,
+    PureNugget,
+    Spherical,
+    Variogram,
+    model_named,
+    name_of,
+    semivariance,
+)
+
+__all__ = [
+    "ESTIMATORS",
+    "MODELS",
+    "Bounded",
+    "BoundedLinear",
+    "Circular",
+    "EmpiricalVariogram",
+    "Estimator",
+    "Exponential",
+    "Fit",
+    "Formula",
+    "Gaussian",
+    "LeastSquares",
+    "Matern32",
+    "Matern52",
+    "Power",
+    "PureNugget",
+    "Spherical",
+    "Variogram",
+    "Weights",
+    "empirical",
+    "empirical_layers",
+    "estimator_named",
+    "fit",
+    "fit_layers",
+    "model_named",
+    "name_of",
+    "paper_10",
+    "semivariance",
+]

@@ -139,7 +139,7 @@ class Circular(Bounded):
     @staticmethod
     def correlation(distance: Floats) -> Floats:
         """2/pi (arccos h - h sqrt(1 - h^2)) up to the range, 0 beyond."""
-        h = np.minimum(distance, 1.0)
+        h: Floats = np.minimum(distance, 1.0)
         return 2.0 / pi * (np.arccos(h) - h * np.sqrt(1.0 - h * h))
 
 

@@ -1,0 +1,191 @@
+"""Everything that happens in a survey, as values that go into its journal.
+
+Events are the truth of a survey: its state is the fold of :func:`subsoil.survey.apply` over them.
+They hold plain numbers with units in their names, validate themselves, and survive a round trip
+through JSON bit for bit.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+from uuid import uuid4
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+
+from subsoil.variogram import Bounded, model_named, name_of
+
+Place = tuple[float, float]
+
+
+class _Event(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="constants")
+
+    id: str = Field(default_factory=lambda: str(uuid4()))
+
+
+class Opened(_Event):
+    """A survey was set up: where, in which layers, with which cone."""
+
+    kind: Literal["opened"] = "opened"
+    name: str
+    boundary_wkt: str
+    keep_outs_wkt: tuple[str, ...]
+    crs: str
+    cell_size_m: float
+    layer_edges_m: tuple[float, ...]
+    layer_weights: tuple[float, ...]
+    cone_area_mm2: float
+    cone_angle_deg: float
+
+
+class Configured(_Event):
+    """It was decided how to survey; holds until decided anew."""
+
+    kind: Literal["configured"] = "configured"
+    strategy: str
+    strategy_settings: dict[str, float | str] = Field(default_factory=dict)
+    estimator: str
+    refit_every: int = Field(ge=1)
+    seed: int = Field(ge=0)
+    start: Place
+    world: str
+    samples: int
+    metres: float
+    minutes: float
+    mean_kv: float
+
+
+class Planned(_Event):
+    """A strategy laid down the stops still to make."""
+
+    kind: Literal["planned"] = "planned"
+    step: int
+    cells: tuple[int, ...]
+    reason: str
+    mean_kv: float
+    """Field average of the kriging variance at that moment in kPa2; NaN before a sample."""
+
+
+class Sampled(_Event):
+    """A push gave a reading; force by depth as the machine saw it."""
+
+    kind: Literal["sampled"] = "sampled"
+    agent: str
+    cell: int
+    at: Place
+    depth_m: tuple[float, ...]
+    force_n: tuple[float, ...]
+    ending: Literal["stroke", "force"]
+    metres: float
+    seconds: float
+    tries: int
+
+
+class Refused(_Event):
+    """No push at a stop gave a reading."""
+
+    kind: Literal["refused"] = "refused"
+    agent: str
+    cell: int
+    at: Place
+    reason: str
+    metres: float
+    seconds: float
+    tries: int
+
+
+class Model(BaseModel):
+    """A variogram by name and parameters."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str
+    nugget: float
+    range: float
+    psill: float
+
+    @classmethod
+    def of(cls, variogram: Bounded) -> Model:
+        """Record of a bounded model."""
+        return cls(
+            name=name_of(variogram),
+            nugget=variogram.nugget,
+            range=variogram.range,
+            psill=variogram.psill,
+        )
+
+    @property
+    def variogram(self) -> Bounded:
+        """The model recorded."""
+        return model_named(self.name)(self.nugget, self.range, self.psill)
+
+
+class Fitted(_Event):
+    """Variograms were estimated anew, one a layer, each with the estimator's own words on why."""
+
+    kind: Literal["fitted"] = "fitted"
+    samples: int
+    models: tuple[Model, ...]
+    why: tuple[str, ...]
+
+
+class BatterySwapped(_Event):
+    """The robot got a full battery."""
+
+    kind: Literal["battery-swapped"] = "battery-swapped"
+
+
+class Finished(_Event):
+    """There was enough, or nothing left to do."""
+
+    kind: Literal["finished"] = "finished"
+    reason: str
+
+
+Event = Annotated[
+    Opened | Configured | Planned | Sampled | Refused | Fitted | BatterySwapped | Finished,
+    Field(discriminator="kind"),
+]
+Report = Sampled | Refused
+
+_ADAPTER: TypeAdapter[Event] = TypeAdapter(Event)
+
+
+def to_json(event: Event) -> str:
+    """One line of JSON.
+
+    Examples
+    --------
+    >>> to_json(Finished(id="a", reason="30 samples taken"))
+    '{"id":"a","kind":"finished","reason":"30 samples taken"}'
+    """
+    return event.model_dump_json()
+
+
+def from_json(text: str) -> Event:
+    """Event of one line of JSON.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If it is not an event.
+    """
+    return _ADAPTER.validate_json(text)
+
+
+def same(a: Event, b: Event, tolerance: float = 1e-6) -> bool:
+    """Whether two events say the same, numbers to a relative tolerance, ids aside."""
+    return type(a) is type(b) and _alike(
+        a.model_dump(exclude={"id"}), b.model_dump(exclude={"id"}), tolerance
+    )
+
+
+def _alike(a: object, b: object, tolerance: float) -> bool:
+    if isinstance(a, float) and isinstance(b, float):
+        return bool(np.isclose(a, b, rtol=tolerance, atol=0.0, equal_nan=True))
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(_alike(a[k], b[k], tolerance) for k in a)
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(_alike(x, y, tolerance) for x, y in zip(a, b, strict=True))
+    return a == b

@@ -1,0 +1,141 @@
+"""Frames: where a pair of coordinates lies on Earth.
+
+A frame is named by its CRS, such as ``"EPSG:32630"``. Longitude comes before latitude and easting
+before northing, whatever order the CRS itself prefers.
+"""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from subsoil.errors import BoundaryError
+
+if TYPE_CHECKING:
+    from pyproj import CRS, Transformer
+
+WGS84 = "EPSG:4326"
+"""Longitude and latitude as satellite receivers give them."""
+
+_WIDEST_COUNTRY_FRAME_DEG = 25
+
+
+def utm_crs(longitude: float, latitude: float) -> str:
+    """EPSG code of the WGS84 UTM zone of a place.
+
+    Examples
+    --------
+    >>> utm_crs(-0.527, 53.26), utm_crs(151.2, -33.9)
+    ('EPSG:32630', 'EPSG:32756')
+    """
+    zone = min(int((longitude + 180) // 6) + 1, 60)
+    return f"EPSG:{(32600 if latitude >= 0 else 32700) + zone}"
+
+
+def named_crs(name: str, where: str) -> CRS:
+    """CRS of a name.
+
+    Raises
+    ------
+    BoundaryError
+        If nothing goes by that name.
+    """
+    from pyproj import CRS
+    from pyproj.exceptions import CRSError
+
+    try:
+        return CRS.from_user_input(name)
+    except CRSError as error:
+        raise BoundaryError(
+            f"there is no CRS {name!r}", where=where, remedy="name it like EPSG:32630"
+        ) from error
+
+
+def check_metric(name: str, where: str) -> None:
+    """Check that a CRS measures easting and northing in metres.
+
+    Raises
+    ------
+    BoundaryError
+        If it is unknown, in degrees, or in feet.
+    """
+    crs = named_crs(name, where)
+    units = {axis.unit_name for axis in crs.axis_info}
+    if not (crs.is_projected and units == {"metre"}):
+        raise BoundaryError(
+            f"{name} measures in {' and '.join(sorted(units)) or 'no unit'}, not on a plane in "
+            "metres",
+            where=where,
+            remedy="use a projected CRS in metres, such as the UTM zone of the field",
+        )
+
+
+def project(source: str, target: str, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    """(n, 2) coordinates in one frame of (n,) coordinates x, y in another.
+
+    Raises
+    ------
+    BoundaryError
+        If a frame has no name or an unknown one, or if the exact transformation needs a grid
+        that is not installed: an approximate one would move the field by metres.
+    """
+    transformer = _transformer(source, target)
+    return np.column_stack(transformer.transform(np.asarray(x), np.asarray(y)))
+
+
+@cache
+def _transformer(source: str, target: str) -> Transformer:
+    from pyproj.transformer import TransformerGroup
+
+    if not (source and target):
+        raise BoundaryError(
+            f"nothing leads from {source or 'a local frame'} to {target or 'a local frame'}",
+            where="CRS",
+            remedy="name the CRS of everything in metres, or give longitude and latitude",
+        )
+    ends = named_crs(source, "CRS"), named_crs(target, "CRS")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of a missing grid: reported below
+        group = TransformerGroup(*ends, always_xy=True)
+    if not group.best_available:
+        raise BoundaryError(
+            f"the exact transformation from {source} to {target} needs a grid that is missing",
+            where="CRS",
+            remedy="give coordinates as WGS84 longitude and latitude",
+        )
+    return group.transformers[0]
+
+
+def looks_swapped(longitude: float, latitude: float) -> bool:
+    """Whether a place is at sea, and its mirror image with the numbers swapped is on land.
+
+    Examples
+    --------
+    >>> looks_swapped(53.26, -0.53), looks_swapped(-0.53, 53.26)
+    (True, False)
+    """
+    if max(abs(longitude), abs(latitude)) > 90:
+        return False
+    return not _on_land(longitude, latitude) and _on_land(latitude, longitude)
+
+
+def _on_land(longitude: float, latitude: float) -> bool:
+    """Whether a country's own map projection covers the place, by the EPSG registry."""
+    from pyproj.aoi import AreaOfInterest
+    from pyproj.database import query_crs_info
+    from pyproj.enums import PJType
+
+    here = AreaOfInterest(longitude, latitude, longitude, latitude)
+    found = query_crs_info("EPSG", PJType.PROJECTED_CRS, here, contains=True)
+    areas = (info.area_of_use for info in found if info.area_of_use)
+    return any(
+        "onshore" in area.name
+        and not area.name.startswith("Between")
+        and area.east - area.west < _WIDEST_COUNTRY_FRAME_DEG
+        for area in areas
+        if area.name
+    )

@@ -1,0 +1,1 @@
+"""Files: field outlines and readings in, maps and prescriptions out."""

@@ -1,0 +1,138 @@
+"""Fields from files of their outlines.
+
+========================  =====================================================================
+``.geojson`` ``.json``    WGS84 longitude, latitude (RFC 7946); a member ``crs`` that names a
+                          metric CRS, as older programs write it, is honoured
+``.coords``               a corner a line, WGS84 latitude, longitude in decimal degrees
+``.csv`` ``.txt``         a corner a line under a header ``easting,northing`` (metres) or
+                          ``lat,lon``; without a header, metres in the CRS that the caller names
+``.gpkg`` ``.shp``        one layer of polygons in WGS84 or metres; pyogrio reads it
+``.kml``
+========================  =====================================================================
+
+One polygon is the field. Further polygons whose property ``role`` is ``"keep-out"`` are areas in
+which nothing is probed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import shapely
+
+from subsoil.errors import BoundaryError
+from subsoil.field import Field
+from subsoil.frames import WGS84, project
+from subsoil.io.corners import read_coords, read_corners
+from subsoil.io.drawing import KEEP_OUT, Drawing
+from subsoil.io.geofile import read_geofile
+from subsoil.io.geojson import read_geojson
+from subsoil.io.text import check_file
+from subsoil.outline import Area
+
+READERS: dict[str, Callable[[Path, str | None], Drawing]] = {
+    ".geojson": read_geojson,
+    ".json": read_geojson,
+    ".coords": lambda path, _: read_coords(path),
+    ".csv": read_corners,
+    ".txt": read_corners,
+    ".gpkg": read_geofile,
+    ".shp": read_geofile,
+    ".kml": read_geofile,
+}
+"""Reader of each suffix: from a path and the CRS of a file that names none to a drawing."""
+
+
+def read_field(
+    path: str | Path,
+    *,
+    crs: str | None = None,
+    cell_size: float = 5.0,
+    keep_outs: str | Path | None = None,
+) -> Field:
+    """Read a field from a file of its outline.
+
+    Parameters
+    ----------
+    path
+        File in one of the formats above, told apart by its suffix.
+    crs
+        Frame of a file that does not name one, such as ``"EPSG:32630"``. Files in latitude and
+        longitude by their format have no need of it.
+    cell_size
+        Side of a cell in m.
+    keep_outs
+        File in one of the same formats; nothing is probed in any of its polygons.
+
+    Returns
+    -------
+    Field
+        In the frame of the file if that is metric, else in the UTM zone of its centre; named
+        after the file.
+
+    Raises
+    ------
+    BoundaryError
+        If a file is missing, cannot be read, or holds no usable outline, or if keep-outs lie
+        elsewhere than the field. The message names the file, and the row, line or feature.
+    MissingExtraError
+        If the format needs pyogrio and it is not installed.
+    ParameterError
+        If the cell size is not positive.
+    """
+    path = Path(path)
+    drawing = _read(path, crs)
+    field = _field(drawing, cell_size, path.name)
+    barred = _place(drawing.keep_outs, drawing.crs, field, path.name)
+    if keep_outs is not None:
+        other = _read(Path(keep_outs), crs)
+        areas = other.outlines + other.keep_outs
+        barred += _place(areas, other.crs, field, Path(keep_outs).name)
+    return replace(field, keep_outs=barred) if barred else field
+
+
+def _read(path: Path, crs: str | None) -> Drawing:
+    check_file(path, BoundaryError)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise BoundaryError(
+            "nothing reads outlines from files with this suffix",
+            where=path.name,
+            remedy=f"save it as one of {' '.join(READERS)}",
+        )
+    return reader(path, crs)
+
+
+def _field(drawing: Drawing, cell_size: float, name: str) -> Field:
+    if len(drawing.outlines) != 1:
+        raise BoundaryError(
+            f"it holds {len(drawing.outlines)} outlines, not one",
+            where=name,
+            remedy=f'leave one, and give keep-outs the property "role": "{KEEP_OUT}"',
+        )
+    (outline,) = drawing.outlines
+    if drawing.crs == WGS84:
+        return Field.from_lonlat(outline, cell_size=cell_size, name=name)
+    return Field(outline, drawing.crs, (), cell_size, name)
+
+
+def _place(areas: tuple[Area, ...], crs: str, field: Field, file: str) -> tuple[Area, ...]:
+    """Keep-outs in the frame of the field."""
+    if crs != field.crs:
+        areas = tuple(_move(area, crs, field.crs, file) for area in areas)
+    if areas and not any(area.intersects(field.boundary) for area in areas):
+        raise BoundaryError(
+            "no keep-out touches the field",
+            where=file,
+            remedy="check their CRS and the order of latitude and longitude",
+        )
+    return areas
+
+
+def _move(area: Area, source: str, target: str, file: str) -> Area:
+    try:
+        return shapely.transform(area, lambda xy: project(source, target, xy[:, 0], xy[:, 1]))
+    except BoundaryError as error:
+        raise BoundaryError(error.what, where=file, remedy=error.remedy) from error

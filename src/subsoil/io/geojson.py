@@ -1,0 +1,116 @@
+"""Outlines as GeoJSON (RFC 7946): WGS84, longitude first.
+
+Programs older than the RFC name another frame in a member ``crs``; it is honoured.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from shapely.geometry import MultiPolygon, Polygon
+
+from subsoil.errors import BoundaryError
+from subsoil.frames import WGS84
+from subsoil.io.drawing import Drawing, Feature, draw, frame, not_an_outline
+from subsoil.io.text import read_text
+from subsoil.outline import Area, polygon
+
+
+def read_geojson(path: Path, crs: str | None) -> Drawing:
+    """Read a Polygon, MultiPolygon, Feature or FeatureCollection.
+
+    Parameters
+    ----------
+    path
+        The file.
+    crs
+        Frame of a file that does not name one; WGS84 if None.
+
+    Raises
+    ------
+    BoundaryError
+        If it is not JSON or not GeoJSON, or if a feature is not a usable polygon; the message
+        names the line or the feature.
+    """
+    document = _json(read_text(path, BoundaryError), path.name)
+    member = document.get("crs")
+    home = _named(member, path.name) if member else crs
+    return draw(_features(document, path.name), frame(home, path.name) if home else WGS84)
+
+
+def _json(text: str, file: str) -> dict[str, Any]:
+    try:
+        document = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise BoundaryError(
+            f"this is not JSON: {error.msg}",
+            where=f"{file}, line {error.lineno}, column {error.colno}",
+            remedy="export it again as GeoJSON",
+        ) from error
+    except (RecursionError, ValueError) as error:
+        raise BoundaryError(
+            "its lists are nested too deeply, or a number is too long", where=file
+        ) from error
+    if not isinstance(document, dict):
+        raise BoundaryError(
+            "this is JSON, but not GeoJSON", where=file, remedy="export it again as GeoJSON"
+        )
+    return document
+
+
+def _named(member: Any, file: str) -> str:
+    try:
+        return str(member["properties"]["name"])
+    except (TypeError, KeyError) as error:
+        raise BoundaryError(
+            "its crs member names no CRS", where=file, remedy="export it again in WGS84"
+        ) from error
+
+
+def _features(document: dict[str, Any], file: str) -> Iterator[Feature]:
+    if document.get("type") == "Feature":
+        yield _feature(document, file)
+    elif document.get("type") == "FeatureCollection":
+        features = document.get("features")
+        for k, feature in enumerate(features if isinstance(features, list) else [], 1):
+            yield _feature(feature, f"{file}, feature {k}")
+    else:
+        yield Feature(file, _area(document, file))
+
+
+def _feature(feature: Any, where: str) -> Feature:
+    if not (isinstance(feature, dict) and feature.get("type") == "Feature"):
+        raise BoundaryError("this is not a Feature", where=where, remedy="export it again")
+    properties = feature.get("properties")
+    properties = properties if isinstance(properties, dict) else {}
+    if properties.get("name"):
+        where = f"{where} ({properties['name']})"
+    return Feature(where, _area(feature.get("geometry"), where), str(properties.get("role", "")))
+
+
+def _area(geometry: Any, where: str) -> Area:
+    geometry = geometry if isinstance(geometry, dict) else {}
+    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
+    if kind not in ("Polygon", "MultiPolygon"):
+        raise not_an_outline(str(kind or "feature without geometry"), where)
+    if not (isinstance(coordinates, list) and coordinates):
+        raise BoundaryError("it has no coordinates", where=where, remedy="draw the outline again")
+    if kind == "Polygon":
+        return _polygon(coordinates, where)
+    return MultiPolygon([_polygon(rings, where) for rings in coordinates])
+
+
+def _polygon(rings: Any, where: str) -> Polygon:
+    if not (isinstance(rings, list) and rings):
+        raise BoundaryError("a polygon has no ring", where=where, remedy="draw it again")
+    shell, *holes = [_ring(ring, where) for ring in rings]
+    return Polygon(shell.exterior, [hole.exterior for hole in holes])
+
+
+def _ring(ring: Any, where: str) -> Polygon:
+    if not (isinstance(ring, list) and all(isinstance(v, list) and len(v) > 1 for v in ring)):
+        raise BoundaryError("a ring is not a list of [longitude, latitude]", where=where)
+    return polygon([vertex[:2] for vertex in ring], where)

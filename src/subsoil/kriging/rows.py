@@ -1,0 +1,53 @@
+"""Arrays that grow by a row and can still be shared by frozen values."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Rows:
+    """A stack of matrices (g, n, w) to which rows are appended.
+
+    Values made one from the other by appending share one buffer: rows already written never
+    change, so each value sees just its own first n of them. The first to append to a given
+    length writes in place; a second branch from the same length gets a copy.
+    """
+
+    def __init__(self, array: Floats) -> None:
+        self._buffer = array
+        self._count = array.shape[1]
+        self._claims: dict[int, object] = {self._count: None}
+
+    @property
+    def array(self) -> Floats:
+        """The rows so far, (g, n, w), read-only; w is the width of the buffer."""
+        view = self._buffer[:, : self._count]
+        view.flags.writeable = False
+        return view
+
+    def append(self, row: Floats) -> Rows:
+        """Rows with one more, (g, w) or shorter: missing columns are zero."""
+        n, width = self._count, row.shape[-1]
+        room = n < self._buffer.shape[1] and width <= self._buffer.shape[2]
+        mine = object()
+        grown = Rows.__new__(Rows)
+        if room and self._claims.setdefault(n + 1, mine) is mine:
+            grown._buffer, grown._claims = self._buffer, self._claims
+        else:
+            grown._buffer = self._copy(width)
+            grown._claims = {n + 1: mine}
+        grown._buffer[:, n, :width] = row
+        grown._count = n + 1
+        return grown
+
+    def _copy(self, width: int) -> Floats:
+        groups, capacity, old_width = self._buffer.shape
+        n = self._count
+        rows = capacity if n < capacity else max(8, 2 * n)
+        columns = old_width if width <= old_width else max(8, 2 * width)
+        bigger = np.zeros((groups, rows, columns))
+        bigger[:, :n, :old_width] = self._buffer[:, :n]
+        return bigger

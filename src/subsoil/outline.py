@@ -1,0 +1,123 @@
+"""Outlines: closed rings of vertices, and what makes one usable as a field.
+
+A sketch on a phone, an export of a farm program and a list of corners go wrong in the same few
+ways; each is told apart here, so that a field is never laid in the wrong place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from shapely.geometry import LinearRing, MultiPolygon, Polygon
+from shapely.validation import explain_validity
+
+from subsoil.errors import BoundaryError
+from subsoil.frames import looks_swapped
+
+Area = Polygon | MultiPolygon
+
+_MOST_CELLS = 25_000_000
+_ORDER = "GeoJSON wants longitude first, .coords files want latitude first"
+
+
+def polygon(vertices: ArrayLike, where: str) -> Polygon:
+    """Polygon of (k, 2) vertices in order around it; the ring closes itself.
+
+    Raises
+    ------
+    BoundaryError
+        If they are not three or more different pairs of finite numbers.
+    """
+    try:
+        points = np.asarray(vertices, dtype=float)
+    except (OverflowError, TypeError, ValueError) as error:
+        raise BoundaryError("a vertex is not a pair of numbers", where=where) from error
+    if points.ndim != 2 or points.shape[1:] != (2,):
+        raise BoundaryError(
+            f"an outline is three or more (easting, northing) pairs, not an array {points.shape}",
+            where=where,
+        )
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if bad.size:
+        raise BoundaryError("a vertex is not a number", where=f"{where}, vertex {bad[0] + 1}")
+    corners = len(np.unique(points, axis=0))
+    if corners < 3:
+        raise BoundaryError(
+            f"an outline needs three different corners, this has {corners}", where=where
+        )
+    return Polygon(LinearRing(points))
+
+
+def check_outline(area: Area, where: str) -> None:
+    """Check that an outline is a polygon that does not cross itself.
+
+    Raises
+    ------
+    BoundaryError
+        If it is empty, of another kind, or not valid; the message says where.
+    """
+    if area.is_empty or area.geom_type not in ("Polygon", "MultiPolygon"):
+        raise BoundaryError(
+            f"the outline is {'empty' if area.is_empty else 'a ' + area.geom_type}, not a polygon",
+            where=where,
+            remedy="give one closed outline of the field",
+        )
+    if not area.is_valid:
+        raise BoundaryError(
+            f"the outline is not valid: {explain_validity(area)}",
+            where=where,
+            remedy="draw it in order around the field, without crossing itself",
+        )
+
+
+def check_extent(area: Area, cell_size: float, where: str) -> None:
+    """Check that an outline in m is as large as a field.
+
+    Raises
+    ------
+    BoundaryError
+        If it looks like degrees, or needs more cells than a map can hold.
+    """
+    west, south, east, north = area.bounds
+    span = max(east - west, north - south)
+    if span < 1.0 and max(abs(west), abs(east)) <= 180 and max(abs(south), abs(north)) <= 90:
+        raise BoundaryError(
+            f"the outline is {span:.4g} m wide: these look like degrees, not metres",
+            where=where,
+            remedy="give longitude and latitude as GeoJSON or .coords, or project to metres",
+        )
+    if (east - west) * (north - south) / cell_size**2 > _MOST_CELLS:
+        raise BoundaryError(
+            f"the outline is {span / 1000:.3g} km wide, far more than {cell_size:g} m cells cover",
+            where=where,
+            remedy="check the coordinates, or use larger cells",
+        )
+
+
+def check_lonlat(bounds: tuple[float, float, float, float], where: str) -> None:
+    """Check that bounds (west, south, east, north) are WGS84 degrees in that order.
+
+    Raises
+    ------
+    BoundaryError
+        If they are out of range, or fall in the sea and their mirror image on land.
+    """
+    west, south, east, north = bounds
+    if max(abs(west), abs(east)) > 180 or max(abs(south), abs(north)) > 90:
+        metric = max(abs(west), abs(east), abs(south), abs(north)) > 360
+        raise BoundaryError(
+            f"coordinates from ({west:g}, {south:g}) to ({east:g}, {north:g}) "
+            "are not longitude and latitude",
+            where=where,
+            remedy="they look like metres: name their CRS"
+            if metric
+            else f"latitude and longitude look swapped: {_ORDER}",
+        )
+    longitude, latitude = (west + east) / 2, (south + north) / 2
+    if looks_swapped(longitude, latitude):
+        raise BoundaryError(
+            f"longitude {longitude:.3f}, latitude {latitude:.3f} is open sea: "
+            "latitude and longitude look swapped",
+            where=where,
+            remedy=_ORDER,
+        )

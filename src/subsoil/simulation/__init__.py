@@ -1,0 +1,21 @@
+"""Soils that are known everywhere, and a robot to survey them with."""
+
+from subsoil.simulation.fields import Protocol, simulate, test_bed
+from subsoil.simulation.probe import Machine, push
+from subsoil.simulation.robot import SimulatedRobot
+from subsoil.simulation.soil import Soil
+from subsoil.simulation.surrogate import surrogate
+from subsoil.simulation.truth import Kriged, Truth
+
+__all__ = [
+    "Kriged",
+    "Machine",
+    "Protocol",
+    "SimulatedRobot",
+    "Soil",
+    "Truth",
+    "push",
+    "simulate",
+    "surrogate",
+    "test_bed",
+]

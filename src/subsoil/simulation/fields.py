@@ -1,0 +1,136 @@
+"""Random fields to try surveys on: the test bed of every comparison, and any other outline."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import ceil, sqrt
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.errors import ParameterError
+from subsoil.field import Field
+from subsoil.layers import Layers
+from subsoil.simulation.soil import Soil, draw_soil, floored, grow
+from subsoil.simulation.surrogate import krige_layers
+from subsoil.simulation.truth import Truth
+from subsoil.variogram import paper_10
+
+Floats = NDArray[np.float64]
+Protocol = Literal["surrogate", "signal"]
+"""What counts as the truth: the kriged map of 286 samples read without noise, or the soil itself
+read with its push-to-push deviation."""
+
+MOST_CELLS = 8_000
+"""Most cells a soil is grown in: that takes about ten seconds and a GB of memory."""
+
+PAPER_LAYERS = Layers()
+"""Eight bands of 5 cm."""
+
+_POOLED_SD_KPA = 65.0
+_PAPER_FIT = replace(paper_10, nugget_floor=0.0)
+
+
+def test_bed(
+    rng: np.random.Generator,
+    protocol: Protocol = "surrogate",  # noqa: PT028
+) -> Truth:
+    """Draw a field of the test bed: 180 x 130 m, 936 cells of 5 m, eight layers of 5 cm.
+
+    A soil is drawn and grown (:func:`subsoil.simulation.soil.grow`), and sampled with noise at
+    286 places, 22 x 13 on a 10 m grid that overlaps the field by 20 m west and east. Ordinary
+    kriging of the samples, layer by layer with the bounded linear model fitted by least squares,
+    is the paper's surrogate. All deviations from the layers' field means are scaled by the factor
+    that brings the surrogate's to a pooled SD of 65 kPa.
+
+    Parameters
+    ----------
+    rng
+        Source of the field. The same state gives the same soil under both protocols.
+    protocol
+        ``"surrogate"``, the paper's: the surrogate is the truth and is read without noise. It is
+        smooth and flatters every method. ``"signal"``: the soil is the truth and every reading
+        carries its deviation.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such protocol.
+
+    Examples
+    --------
+    >>> truth = test_bed(np.random.default_rng(1))
+    >>> truth.kpa.shape
+    (8, 936)
+    """
+    if protocol not in get_args(Protocol):
+        raise ParameterError(
+            f"there is no protocol {protocol!r}",
+            where="test bed",
+            remedy=f"one of {', '.join(get_args(Protocol))}",
+        )
+    field = Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)], name="test bed")
+    layers = PAPER_LAYERS
+    samples = _sample_places()
+    soil = draw_soil(rng)
+    places = np.concatenate([field.cells, samples])
+    signal, noise = grow(soil, field, places, layers.centre_m, rng)
+    n = len(field.cells)
+    readings = signal[:, n:] + noise[:, n:]
+    kriged, _ = krige_layers(_PAPER_FIT, samples, readings, field.cells, layers)
+    soil = replace(soil, scale=_POOLED_SD_KPA / float(np.sqrt(kriged.var(axis=1).mean())))
+    if protocol == "surrogate":
+        return Truth(field, layers, _scaled(kriged, soil), np.zeros_like(kriged), soil)
+    kpa, deviation = floored(_scaled(signal[:, :n], soil), soil.scale * noise[:, :n])
+    return Truth(field, layers, kpa, deviation, soil)
+
+
+# pytest takes functions called test_* for tests wherever they are imported.
+test_bed.__dict__["__test__"] = False
+
+
+def simulate(field: Field, rng: np.random.Generator, layers: Layers = PAPER_LAYERS) -> Truth:
+    """Draw a soil for any field, as in the test bed under the ``"signal"`` protocol, unscaled.
+
+    Below 10 cm readings vary by about 0.3 of their mean, as in real grassland. The drift spans the field's extent, the
+    headland follows its outline and tramlines its long side. Resistances are 20 kPa at least; see
+    :func:`subsoil.simulation.soil.floored`.
+
+    Parameters
+    ----------
+    field
+        The land.
+    rng
+        Source of the soil.
+    layers
+        Depth bands.
+
+    Raises
+    ------
+    ParameterError
+        If the field has more than 8000 cells.
+    """
+    n = len(field.cells)
+    if n > MOST_CELLS:
+        side = ceil(field.cell_size * sqrt(n / MOST_CELLS) * 10) / 10
+        raise ParameterError(
+            f"{n} cells are more than the {MOST_CELLS} a soil is simulated for",
+            where=field.name,
+            remedy=f"use cells of {side:g} m or larger",
+        )
+    soil = draw_soil(rng)
+    kpa, noise = floored(*grow(soil, field, field.cells, layers.centre_m, rng))
+    return Truth(field, layers, kpa, noise, soil)
+
+
+def _sample_places() -> Floats:
+    """(286, 2) places in m of the samples behind the test bed's surrogate."""
+    easting, northing = np.meshgrid(10.0 * np.arange(22) - 15.0, 10.0 * np.arange(13) + 5.0)
+    return np.column_stack([easting.ravel(), northing.ravel()])
+
+
+def _scaled(kpa: Floats, soil: Soil) -> Floats:
+    """Scale (m, N) deviations from the layers' means by the soil's factor."""
+    mean = kpa.mean(axis=1, keepdims=True)
+    return np.asarray(mean + soil.scale * (kpa - mean))

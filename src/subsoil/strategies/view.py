@@ -1,0 +1,84 @@
+"""What a strategy sees, and what it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.field import Field
+from subsoil.soilmap import SoilMap
+
+
+@dataclass(frozen=True)
+class View:
+    """A survey as a strategy sees it: never the truth, only what was measured.
+
+    Attributes
+    ----------
+    field
+        The field and its cells.
+    soil_map
+        The map so far.
+    position
+        Where the agent is: easting and northing in m.
+    plan
+        Cells still to visit in order, from the last plan.
+    visited
+        Cells probed, in order.
+    refused
+        Cells at which no push gave a reading, in order.
+    budget
+        Samples to take in all.
+    fresh
+        Whether there is no plan yet, so that one has to be made from scratch.
+    rng
+        Random generator of this step; the same at every replay.
+    """
+
+    field: Field
+    soil_map: SoilMap
+    position: tuple[float, float]
+    plan: tuple[int, ...]
+    visited: tuple[int, ...]
+    refused: tuple[int, ...]
+    budget: int
+    fresh: bool
+    rng: np.random.Generator
+
+    @property
+    def remaining(self) -> int:
+        """Samples still to take, at most as many as there are free cells."""
+        return min(self.budget - len(self.visited), int(self.free.sum()) + len(self.plan))
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """(N,) cells neither probed, refused nor planned."""
+        mask = np.ones(len(self.field.cells), dtype=bool)
+        mask[[*self.visited, *self.refused, *self.plan]] = False
+        return mask
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Cells to visit, in order.
+
+    Attributes
+    ----------
+    cells
+        Cell indices; each at most once.
+    reason
+        Why this plan, in a sentence.
+    """
+
+    cells: tuple[int, ...]
+    reason: str
+
+
+class Strategy(Protocol):
+    """Decides where to probe: called before the first stop and after every one."""
+
+    def __call__(self, view: View) -> Plan:
+        """Plan the stops still to make."""

@@ -1,0 +1,198 @@
+"""Estimators: from the samples of a survey to one variogram a layer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.errors import ParameterError
+from subsoil.variogram.empirical import (
+    EmpiricalVariogram,
+    Formula,
+    check_binning,
+    empirical_layers,
+)
+from subsoil.variogram.fitting import (
+    Fit,
+    Weights,
+    check_settings,
+    fit_layers,
+    too_little,
+    with_floor,
+)
+from subsoil.variogram.models import Bounded, BoundedLinear, Exponential, Matern32, Spherical
+
+Floats = NDArray[np.float64]
+
+Estimator = Callable[[Floats, Floats], tuple[Fit, ...]]
+"""What a survey calls after a reading: places (n, 2) in m and values (m, n), NaN where a layer was
+not measured, to one :class:`~subsoil.variogram.fitting.Fit` a layer. It answers for any number of
+samples, none included, and says where the answer is a prior."""
+
+FEWEST_SAMPLES = 4
+"""Samples of a layer below which it gets a prior."""
+PRIOR_NUGGET = 0.1
+"""Share of the nugget in a prior's sill."""
+
+
+@dataclass(frozen=True)
+class LeastSquares:
+    """An :data:`Estimator`: a model fitted to the empirical variogram of each layer.
+
+    A layer gets a prior instead if it has fewer than four samples, fewer than three pairs of
+    places within the cut-off, or values that do not differ. The prior's sill is the mean squared
+    deviation of the layer's samples, or a stated one where that is zero or unknown; 10 % of it is
+    nugget.
+
+    Parameters
+    ----------
+    model
+        Kind of model, such as :class:`~subsoil.variogram.models.Spherical`.
+    bin_width, cutoff, estimator
+        As in :func:`~subsoil.variogram.empirical.empirical`.
+    weights, range_bounds, starts, polish, nugget_floor
+        As in :func:`~subsoil.variogram.fitting.fit`.
+    prior_range
+        Range of the prior in m.
+    prior_sill
+        Sill of the prior, in squared units of the data, where the samples tell none.
+
+    Raises
+    ------
+    ParameterError
+        If a setting is outside what it may be.
+
+    Examples
+    --------
+    >>> from subsoil.variogram.models import Spherical
+    >>> estimate = LeastSquares(Spherical, prior_range=40.0)
+    >>> (fit,) = estimate(np.array([[0.0, 0.0], [9.0, 0.0]]), np.array([[950.0, 1050.0]]))
+    >>> fit.variogram
+    Spherical(nugget=250.0, range=40.0, psill=2250.0)
+    >>> fit.why
+    '2 samples only: prior of 10 % nugget and 40 m range on their variance, not a fit'
+    """
+
+    model: type[Bounded]
+    bin_width: float | None = None
+    cutoff: float | None = None
+    estimator: Formula = "matheron"
+    weights: Weights = "pairs"
+    range_bounds: tuple[float, float] | None = None
+    starts: int = 25
+    polish: bool = True
+    nugget_floor: float = 0.0
+    prior_range: float = 50.0
+    prior_sill: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_binning(self.bin_width, self.cutoff, self.estimator)
+        check_settings(self.weights, self.range_bounds, self.starts, self.nugget_floor)
+        for name, value in (("range", self.prior_range), ("sill", self.prior_sill)):
+            if not 0 < value < inf:
+                raise ParameterError(
+                    f"must be positive, not {value:g}", where=f"variogram prior {name}"
+                )
+
+    def __call__(self, at: Floats, z: Floats) -> tuple[Fit, ...]:
+        """Fit each layer of values (m, n) at places (n, 2), or fall back on its prior.
+
+        Raises
+        ------
+        ReadingsError
+            If shapes do not match, or a coordinate or value is not finite.
+        ParameterError
+            If a bin of repeats at distance 0 would have an infinite weight.
+        """
+        curves = empirical_layers(
+            at, z, bin_width=self.bin_width, cutoff=self.cutoff, estimator=self.estimator
+        )
+        samples = [layer[~np.isnan(layer)] for layer in z]
+        lacks = [_lack(curve, known.size) for curve, known in zip(curves, samples, strict=True)]
+        fits = iter(
+            fit_layers(
+                [curve for curve, lack in zip(curves, lacks, strict=True) if not lack],
+                self.model,
+                weights=self.weights,
+                range_bounds=self.range_bounds,
+                starts=self.starts,
+                polish=self.polish,
+                nugget_floor=self.nugget_floor,
+            )
+        )
+        return tuple(
+            self._prior(curve, known, lack) if lack else next(fits)
+            for curve, known, lack in zip(curves, samples, lacks, strict=True)
+        )
+
+    def _prior(self, curve: EmpiricalVariogram, z: Floats, lack: str) -> Fit:
+        """Variogram that is assumed for want of samples."""
+        differ = z.size > 1 and np.ptp(z) > 0
+        sill = float(z.var()) if differ else self.prior_sill
+        nugget = PRIOR_NUGGET * sill
+        variogram = with_floor(
+            self.model(nugget, self.prior_range, sill - nugget), self.nugget_floor
+        )
+        scale = "on their variance" if differ else f"and a sill of {sill:g} for want of a variance"
+        share = 100 * max(PRIOR_NUGGET, self.nugget_floor)
+        return Fit(
+            variogram=variogram,
+            empirical=curve,
+            sse=nan,
+            r2=nan,
+            weights=self.weights,
+            starts=0,
+            at_bound=(),
+            why=f"{lack}: prior of {share:g} % nugget and {self.prior_range:g} m range {scale}, "
+            "not a fit",
+        )
+
+
+def _lack(curve: EmpiricalVariogram, samples: int) -> str:
+    """Why a layer gets a prior; empty if it does not."""
+    if samples == 0:
+        return "no samples"
+    if samples < FEWEST_SAMPLES:
+        return f"{samples} sample{'' if samples == 1 else 's'} only"
+    return too_little(curve)
+
+
+paper_10 = LeastSquares(
+    BoundedLinear,
+    bin_width=10.0,
+    cutoff=110.0,
+    range_bounds=(10.0, 110.0),
+    polish=False,
+    nugget_floor=0.1,
+)
+"""The estimator of the paper's strategies in comparisons: the linear model with a sill on 10 m
+bins up to 110 m, weighted by pairs, the best of 25 ranges, and a nugget of at least 10 %."""
+
+ESTIMATORS: dict[str, Estimator] = {
+    "paper-10": paper_10,
+    "spherical": LeastSquares(Spherical, nugget_floor=0.1),
+    "exponential": LeastSquares(Exponential, nugget_floor=0.1),
+    "matern-3/2": LeastSquares(Matern32, nugget_floor=0.1),
+}
+"""Estimators by the name the command line and the journal use."""
+
+
+def estimator_named(name: str) -> Estimator:
+    """Estimator of a name.
+
+    Raises
+    ------
+    ParameterError
+        If there is none of that name.
+    """
+    if name not in ESTIMATORS:
+        raise ParameterError(
+            f"there is no estimator {name!r}",
+            where="estimator",
+            remedy=f"one of {', '.join(ESTIMATORS)}",
+        )
+    return ESTIMATORS[name]
