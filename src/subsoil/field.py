@@ -203,9 +203,9 @@ class Field:
         return int(np.argmin(((self.cells - place) ** 2).sum(axis=1)))
 
     def contains(self, at: ArrayLike) -> NDArray[np.bool_]:
-        """Whether (n, 2) places in m lie in the field, outside its keep-outs."""
+        """Whether (n, 2) places in m lie in the field or on its edge, and not in a keep-out."""
         at = np.atleast_2d(np.asarray(at, dtype=float))
-        return np.asarray(shapely.contains_xy(self._probeable, at[:, 0], at[:, 1]))
+        return np.asarray(shapely.intersects_xy(self._probeable, at[:, 0], at[:, 1]))
 
     def to_metres(self, longitude: ArrayLike, latitude: ArrayLike) -> Floats:
         """(n, 2) easting and northing in m of WGS84 longitudes and latitudes in degrees.

@@ -7,16 +7,15 @@ others are used: nothing is dropped in silence, and nothing is mended by guessin
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
 from subsoil.field import Field
-from subsoil.frames import WGS84, looks_swapped, project, utm_crs
+from subsoil.io.places import Places, elsewhere, outside
 from subsoil.io.readings_csv import read_readings_csv
 from subsoil.io.records import Finding, Floats, Recording, kpa_per_unit
 from subsoil.io.robot_yaml import read_robot_yaml
@@ -34,8 +33,6 @@ READERS: dict[str, Callable[[Path], Recording]] = {
 }
 """Reader of each suffix. Another instrument needs no more than a function from a path to a
 :class:`~subsoil.io.records.Recording`, put here."""
-
-_SPOT_M = 0.05
 
 
 @dataclass(frozen=True)
@@ -125,7 +122,7 @@ def read_readings(
     if not records:
         raise _none_usable(refused, path.name)
     rows = np.array([record.row for record in records], dtype=np.int64)
-    places = _Places(
+    places = Places(
         np.array([record.x for record in records]),
         np.array([record.y for record in records]),
         recording.lonlat,
@@ -136,8 +133,8 @@ def read_readings(
     if field is not None:
         inside = field.contains(at)
         if 2 * inside.sum() < inside.size:
-            raise _elsewhere(places, field, at, crs)
-        refused += _outside(rows[~inside], at[~inside], field)
+            raise elsewhere(places, field, at, crs)
+        refused += outside(rows[~inside], at[~inside], field)
     return Readings(
         at[inside],
         tuple(profile for profile, kept in zip(profiles, inside, strict=True) if kept),
@@ -146,50 +143,6 @@ def read_readings(
         home,
         path,
     )
-
-
-@dataclass(frozen=True)
-class _Places:
-    """Positions of records, (n,) x and y, in degrees or metres, with their file's name."""
-
-    x: Floats
-    y: Floats
-    lonlat: bool
-    file: str
-
-    def metres(self, field: Field | None, crs: str | None) -> tuple[Floats, str]:
-        """(n, 2) easting and northing, and their frame."""
-        if self.lonlat and field is not None:
-            return field.to_metres(self.x, self.y), field.crs
-        if self.lonlat:
-            home = self._utm()
-            return project(WGS84, home, self.x, self.y), home
-        self._check_metres()
-        home = field.crs if field is not None else (crs or "")
-        if crs is None or crs == home:
-            return np.column_stack([self.x, self.y]), home
-        return project(crs, home, self.x, self.y), home
-
-    def _utm(self) -> str:
-        longitude, latitude = float(np.median(self.x)), float(np.median(self.y))
-        if looks_swapped(longitude, latitude):
-            raise ReadingsError(
-                f"longitude {longitude:.3f}, latitude {latitude:.3f} is open sea: "
-                "latitude and longitude look swapped",
-                where=self.file,
-                remedy="swap the names of the two columns",
-            )
-        return utm_crs(longitude, latitude)
-
-    def _check_metres(self) -> None:
-        span = max(float(np.ptp(self.x)), float(np.ptp(self.y)))
-        degrees = np.abs(self.x).max() <= 180 and np.abs(self.y).max() <= 180
-        if degrees and 0 < span < _SPOT_M:
-            raise ReadingsError(
-                f"all readings lie within {span:.2g} m: these look like degrees, not metres",
-                where=self.file,
-                remedy="name the columns lat,lon",
-            )
 
 
 def _recording(path: Path) -> Recording:
@@ -211,51 +164,4 @@ def _none_usable(refused: list[Finding], file: str) -> ReadingsError:
         f"none of {len(refused)} readings can be used; {min(refused, key=lambda f: f.row)}",
         where=file,
         remedy="correct the rows, or export it again",
-    )
-
-
-def _outside(rows: Integers, at: Floats, field: Field) -> list[Finding]:
-    return [
-        Finding(
-            int(row), f"it lies {_far(away)} outside the field" if away else "it lies in a keep-out"
-        )
-        for row, away in zip(rows, _metres_away(at, field), strict=True)
-    ]
-
-
-def _elsewhere(places: _Places, field: Field, at: Floats, crs: str | None) -> ReadingsError:
-    """Complaint about readings most of which lie outside the field."""
-    outside = at[~field.contains(at)]
-    away = _far(float(np.median(_metres_away(outside, field))))
-    what = f"{len(outside)} of {len(at)} readings lie outside {field.name}, typically {away} away"
-    mirrored, _ = replace(places, x=places.y, y=places.x).metres(field, crs)
-    if 2 * field.contains(mirrored).sum() > len(at):
-        columns = "latitude and longitude" if places.lonlat else "easting and northing"
-        return ReadingsError(
-            f"{what}; swapping {columns} puts them inside",
-            where=places.file,
-            remedy="swap the names of the two columns",
-        )
-    remedy = "check that file and field belong together"
-    return ReadingsError(
-        what,
-        where=places.file,
-        remedy=remedy if places.lonlat else f"{remedy}, and name the CRS of the readings",
-    )
-
-
-def _metres_away(at: Floats, field: Field) -> Floats:
-    away = np.asarray(shapely.distance(shapely.points(at), field.boundary))
-    return np.where(np.isfinite(away), away, np.inf)
-
-
-def _far(metres: float) -> str:
-    if not np.isfinite(metres):
-        return "half a world"
-    return (
-        f"{metres:.2g} m"
-        if metres < 10
-        else f"{metres:.0f} m"
-        if metres < 10_000
-        else f"{metres / 1000:.0f} km"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from subsoil.io.records import Finding, Floats, Record, Recording
+from subsoil.io.records import Finding, Record, Recording
 from subsoil.penetrometer import Profile
 
 _HARDEST_KPA = 50_000.0

@@ -64,12 +64,7 @@ def test_bed(
     >>> truth.kpa.shape
     (8, 936)
     """
-    if protocol not in get_args(Protocol):
-        raise ParameterError(
-            f"there is no protocol {protocol!r}",
-            where="test bed",
-            remedy=f"one of {', '.join(get_args(Protocol))}",
-        )
+    _check_protocol(protocol)
     field = Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)], name="test bed")
     layers = PAPER_LAYERS
     samples = _sample_places()
@@ -93,9 +88,9 @@ test_bed.__dict__["__test__"] = False
 def simulate(field: Field, rng: np.random.Generator, layers: Layers = PAPER_LAYERS) -> Truth:
     """Draw a soil for any field, as in the test bed under the ``"signal"`` protocol, unscaled.
 
-    Below 10 cm readings vary by about 0.3 of their mean, as in real grassland. The drift spans the field's extent, the
-    headland follows its outline and tramlines its long side. Resistances are 20 kPa at least; see
-    :func:`subsoil.simulation.soil.floored`.
+    Below 10 cm readings vary by about 0.3 of their mean, as in real grassland. The drift spans the
+    field's extent, the headland follows its outline and tramlines its long side. Resistances are
+    20 kPa at least; see :func:`subsoil.simulation.soil.floored`.
 
     Parameters
     ----------
@@ -122,6 +117,15 @@ def simulate(field: Field, rng: np.random.Generator, layers: Layers = PAPER_LAYE
     soil = draw_soil(rng)
     kpa, noise = floored(*grow(soil, field, field.cells, layers.centre_m, rng))
     return Truth(field, layers, kpa, noise, soil)
+
+
+def _check_protocol(protocol: str) -> None:
+    if protocol not in get_args(Protocol):
+        raise ParameterError(
+            f"there is no protocol {protocol!r}",
+            where="test bed",
+            remedy=f"one of {', '.join(get_args(Protocol))}",
+        )
 
 
 def _sample_places() -> Floats:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, nan
+from math import inf, isclose, nan
 from typing import Literal, get_args
 
 import numpy as np
@@ -248,7 +248,7 @@ def _report(
     spread = float(weight @ (gamma - np.average(gamma, weights=weight)) ** 2)
     on_bound = {
         "nugget": best.nugget <= nugget_floor * best.sill,
-        "range": best.psill > 0 and best.range in bounds,
+        "range": best.psill > 0 and any(_at_limits(best.range, bounds)),
         "psill": best.psill == 0,
     }
     return Fit(
@@ -268,15 +268,20 @@ def _outcome(empirical: EmpiricalVariogram, best: Bounded, bounds: Sequence[floa
     """Say in words what the search ended with."""
     bins, last, (low, high) = empirical.lag.size, empirical.lag[-1], bounds
     rises = np.ptp(best.rise(empirical.lag)) > 1e-6 * best.psill
+    at_low, at_high = _at_limits(best.range, bounds)
     for holds, words in (
         (best.psill == 0, "no rise with distance: pure nugget"),
         (not rises, "flat at all lags: nugget and rise cannot be told apart, all taken as rise"),
         (bins < 3, "two bins for three parameters: one of many curves through them"),
         (low == high, f"range given as {low:g} m"),
         (best.range >= last, f"still rising at the last lag, {last:g} m: the range may be longer"),
-        (best.range == high, f"still rising at the longest range allowed, {high:g} m"),
-        (best.range == low, f"level beyond the shortest range allowed, {low:g} m"),
+        (at_high, f"still rising at the longest range allowed, {high:g} m"),
+        (at_low, f"level beyond the shortest range allowed, {low:g} m"),
     ):
         if holds:
             return words
     return f"least squares over {bins} bins and {empirical.pairs.sum()} pairs"
+
+
+def _at_limits(value: float, bounds: Sequence[float]) -> tuple[bool, ...]:
+    return tuple(isclose(value, bound, rel_tol=1e-6) for bound in bounds)

@@ -109,8 +109,9 @@ def solve(
 
 def _first_least(squares: Floats, alike: Floats) -> NDArray[np.intp]:
     """(m,) first column of (m, k) that is as small as the smallest, to within (m,) rounding."""
-    enough: Floats = squares.min(axis=1) + alike
-    return (squares <= enough[:, None]).argmax(axis=1)
+    enough = squares.min(axis=1) + alike
+    first: NDArray[np.intp] = (squares <= enough[:, None]).argmax(axis=1)
+    return first
 
 
 def _ratio(over: Floats, under: Floats, where: NDArray[np.bool_]) -> Floats:

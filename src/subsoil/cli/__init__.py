@@ -1,0 +1,60 @@
+"""The command line.
+
+Exit codes: 0 all is well, 1 there are findings, 2 something given is wrong, 3 the survey cannot go
+on. Anything subsoil knows to be wrong is one line on standard error; ``--json`` puts the result,
+and nothing else, on standard output.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import click
+import typer
+
+from subsoil.cli import analysing, demonstrating, diagnosing, surveying
+from subsoil.errors import SubsoilError
+
+app = typer.Typer(
+    help="Adaptive soil-compaction surveying: krige while you probe, re-plan after every reading.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command()(demonstrating.demo)
+app.command()(surveying.init)
+app.command()(surveying.plan)
+app.command()(surveying.run)
+app.command()(surveying.resume)
+app.command()(surveying.status)
+app.command(name="map")(analysing.make_map)
+app.command()(analysing.variogram)
+app.command()(analysing.cv)
+app.command()(surveying.replay)
+app.command()(surveying.verify)
+app.command()(diagnosing.doctor)
+
+
+def main() -> None:
+    """Run the command line and exit."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command line; returns the exit code."""
+    try:
+        code = app(arguments, standalone_mode=False)
+    except SubsoilError as error:
+        return _say(str(error), error.exit_code)
+    except click.ClickException as error:
+        return _say(error.format_message(), 2)
+    except (click.Abort, KeyboardInterrupt):
+        return _say("stopped; nothing recorded is lost, go on with `subsoil resume`", 3)
+    except OSError as error:
+        return _say(f"{error.filename or 'disk'}: {error.strerror or error}", 3)
+    return code if isinstance(code, int) else 0
+
+
+def _say(line: str, code: int) -> int:
+    print("error: " + " ".join(line.split()), file=sys.stderr)
+    return code

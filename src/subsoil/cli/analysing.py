@@ -1,0 +1,264 @@
+"""Verbs that look at readings: maps, variograms, cross-validation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from subsoil.cli.output import AsJson, Out, folder, tell, tell_table
+from subsoil.cli.surveying import CellSize, EstimatorName, layers_of
+from subsoil.errors import ParameterError
+from subsoil.field import Field
+from subsoil.io.boundary import read_field
+from subsoil.io.rasters import write_geotiffs
+from subsoil.io.readings import read_readings
+from subsoil.journal import read_events
+from subsoil.kriging import condition
+from subsoil.layers import Layers, Sample
+from subsoil.penetrometer import Cone
+from subsoil.plots import readings_figures
+from subsoil.scores import LeaveOneOut, block_out, leave_one_out
+from subsoil.soilmap import SoilMap
+from subsoil.survey import fold
+from subsoil.variogram import Fit, estimator_named
+
+ReadingsFile = Annotated[
+    Path, typer.Argument(help="Readings (robot YAML or CSV) or a survey file.", metavar="READINGS")
+]
+OptionalBoundary = Annotated[
+    Path | None, typer.Option(help="Outline of the field; readings outside are refused.")
+]
+OptionalConeArea = Annotated[
+    float | None, typer.Option(help="Base area of the cone in mm2, where readings are forces.")
+]
+Units = Annotated[
+    str | None,
+    typer.Option(help="Unit of the readings where the file does not say: kpa, mpa, psi."),
+]
+Edges = Annotated[str, typer.Option(help="Edges of the depth layers in m, comma-separated.")]
+_EDGES = "0,0.05,0.1,0.15,0.2,0.25,0.3,0.35,0.4"
+_ESTIMATOR = "spherical"
+
+
+@dataclass(frozen=True)
+class Material:
+    """Readings to look at, from whatever file.
+
+    Attributes
+    ----------
+    samples
+        Layer values by place.
+    layers
+        Depth bands.
+    refused
+        What was left out, a line each.
+    """
+
+    samples: tuple[Sample, ...]
+    layers: Layers
+    refused: tuple[str, ...]
+
+    @property
+    def at(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        """(n, 2) places in m."""
+        return np.array([sample.at for sample in self.samples], dtype=float).reshape(-1, 2)
+
+    @property
+    def kpa(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        """(m, n) measured kPa, NaN where not measured."""
+        return np.array([sample.measured_kpa for sample in self.samples]).T
+
+
+def make_map(
+    readings: ReadingsFile,
+    boundary: Annotated[Path, typer.Option(help="Outline of the field.")],
+    out: Out,
+    cell: CellSize = 5.0,
+    layers: Edges = _EDGES,
+    estimator: EstimatorName = _ESTIMATOR,
+    cone_area: OptionalConeArea = None,
+    units: Units = None,
+    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Map real readings, layer by layer, with uncertainty and skill against the mean."""
+    field = read_field(boundary, crs=crs, cell_size=cell)
+    material = _material(readings, layers, field, crs, cone_area, units)
+    fits = estimator_named(estimator)(material.at, material.kpa)
+    soil_map = SoilMap(
+        field.cells, material.layers, tuple(fit.variogram for fit in fits), material.samples
+    )
+    scores = _scores(material, fits)
+    rasters = write_geotiffs(soil_map, field, folder(out))
+    figures = readings_figures(soil_map, field, fits, out)
+    result = {
+        "readings": readings,
+        "field": field.name,
+        "area_ha": field.area_ha,
+        "samples": len(material.samples),
+        "refused": material.refused,
+        "std_dev_kpa": float(np.sqrt(soil_map.mean_kv)),
+        "notes": soil_map.notes,
+        "maps": rasters,
+        "figures": figures,
+    }
+    tell({**result, "layers": _score_dicts(material, fits, scores)} if as_json else result, as_json)
+    if not as_json:
+        _tell_scores(material, fits, scores)
+
+
+def variogram(
+    readings: ReadingsFile,
+    boundary: OptionalBoundary = None,
+    layers: Edges = _EDGES,
+    estimator: EstimatorName = _ESTIMATOR,
+    cone_area: OptionalConeArea = None,
+    units: Units = None,
+    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show empirical variograms with pair counts, and what was fitted to them."""
+    field = read_field(boundary, crs=crs) if boundary else None
+    material = _material(readings, layers, field, crs, cone_area, units)
+    fits = estimator_named(estimator)(material.at, material.kpa)
+    if as_json:
+        reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
+        tell({"samples": len(material.samples), "layers": reports}, as_json)
+        return
+    for name, fit in zip(material.layers.names, fits, strict=True):
+        bins = fit.empirical
+        tell_table(
+            f"{name}: {fit.variogram}\n{fit.why}",
+            ("lag m", "pairs", "semivariance kPa2"),
+            list(
+                zip(bins.lag.tolist(), bins.pairs.tolist(), bins.semivariance.tolist(), strict=True)
+            ),
+        )
+
+
+def cv(
+    readings: ReadingsFile,
+    boundary: OptionalBoundary = None,
+    layers: Edges = _EDGES,
+    estimator: EstimatorName = _ESTIMATOR,
+    block: Annotated[float, typer.Option(help="Side in m of the blocks left out together.")] = 50.0,
+    cone_area: OptionalConeArea = None,
+    units: Units = None,
+    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Leave readings out, one by one and by blocks, and score kriging against the mean."""
+    field = read_field(boundary, crs=crs) if boundary else None
+    material = _material(readings, layers, field, crs, cone_area, units)
+    fits = estimator_named(estimator)(material.at, material.kpa)
+    scores = _scores(material, fits)
+    blocks = []
+    for fit, kpa in zip(fits, material.kpa, strict=True):
+        known = np.isfinite(kpa)
+        blocks.append(block_out(fit.variogram, material.at[known], kpa[known], block))
+    rows = _score_dicts(material, fits, scores)
+    for row, score in zip(rows, blocks, strict=True):
+        row["block_rmse_kpa"] = float(score.rmse[0])
+        row["block_skill"] = float(score.skill[0])
+    if as_json:
+        tell({"samples": len(material.samples), "block_m": block, "layers": rows}, as_json)
+        return
+    tell_table(
+        f"Leave-one-out and {block:g} m blocks, {len(material.samples)} samples",
+        list(rows[0]),
+        [list(row.values()) for row in rows],
+    )
+
+
+def _material(
+    path: Path,
+    edges: str,
+    field: Field | None,
+    crs: str | None,
+    cone_area: float | None,
+    units: str | None,
+) -> Material:
+    if path.suffix.lower() == ".gpkg":
+        survey = fold(read_events(path))
+        material = Material(survey.soil_map.samples, survey.layers, ())
+    else:
+        cone = Cone(cone_area) if cone_area is not None else None
+        readings = read_readings(path, field=field, crs=crs, cone=cone, units=units)
+        layers = layers_of(edges)
+        samples = tuple(
+            layers.sample(profile, at)
+            for profile, at in zip(readings.profiles, readings.at, strict=True)
+        )
+        material = Material(samples, layers, tuple(str(finding) for finding in readings.refused))
+    if len(material.samples) < 3:
+        raise ParameterError(
+            f"{len(material.samples)} readings are too few to score a map",
+            where=str(path),
+            remedy="take three or more",
+        )
+    return material
+
+
+def _scores(material: Material, fits: tuple[Fit, ...]) -> list[LeaveOneOut]:
+    scores = []
+    for name, fit, kpa in zip(material.layers.names, fits, material.kpa, strict=True):
+        known = np.isfinite(kpa)
+        if known.sum() < 3:
+            raise ParameterError(
+                f"{known.sum()} readings reached the layer",
+                where=f"layer {name}",
+                remedy="leave it out with --layers",
+            )
+        ok = condition(fit.variogram, material.at[known], kpa[None, known])
+        scores.append(leave_one_out(ok))
+    return scores
+
+
+def _score_dicts(
+    material: Material, fits: tuple[Fit, ...], scores: list[LeaveOneOut]
+) -> list[dict[str, object]]:
+    return [
+        {
+            "layer": name,
+            "samples": int(np.isfinite(kpa).sum()),
+            "mean_kpa": float(np.nanmean(kpa)),
+            "sd_kpa": float(np.nanstd(kpa)),
+            "range_m": fit.variogram.range,
+            "nugget_share": fit.variogram.nugget / fit.variogram.sill,
+            "loo_rmse_kpa": float(score.rmse[0]),
+            "loo_skill": float(score.skill[0]),
+            "loo_calibration": float(score.calibration[0]),
+        }
+        for name, kpa, fit, score in zip(
+            material.layers.names, material.kpa, fits, scores, strict=True
+        )
+    ]
+
+
+def _tell_scores(material: Material, fits: tuple[Fit, ...], scores: list[LeaveOneOut]) -> None:
+    rows = _score_dicts(material, fits, scores)
+    tell_table(
+        "Leave-one-out (skill 0 = no better than the mean, calibration 1 = honest variances)",
+        list(rows[0]),
+        [list(row.values()) for row in rows],
+    )
+
+
+def _fit_dict(name: str, fit: Fit) -> dict[str, object]:
+    return {
+        "layer": name,
+        "model": type(fit.variogram).__name__,
+        "nugget_kpa2": fit.variogram.nugget,
+        "range_m": fit.variogram.range,
+        "psill_kpa2": fit.variogram.psill,
+        "r2": fit.r2,
+        "at_bound": fit.at_bound,
+        "why": fit.why,
+        "lag_m": fit.empirical.lag.tolist(),
+        "pairs": fit.empirical.pairs.tolist(),
+        "semivariance_kpa2": fit.empirical.semivariance.tolist(),
+    }

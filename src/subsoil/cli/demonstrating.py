@@ -1,0 +1,121 @@
+"""The main job in a minute: a simulated robot surveys a field and leaves maps."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from subsoil.cli.output import AsJson, Seed, folder, progress, tell
+from subsoil.cli.surveying import (
+    DEFAULT_ESTIMATOR,
+    DEFAULT_STRATEGY,
+    EstimatorName,
+    Samples,
+    StrategyName,
+    configured,
+    summary,
+)
+from subsoil.cli.worlds import demo_field, robot_of, truth_of
+from subsoil.dispatch import LocalDispatch, drive
+from subsoil.errors import JournalError
+from subsoil.events import Configured, Event, Planned
+from subsoil.field import Field
+from subsoil.io.rasters import write_geotiffs
+from subsoil.journal import Journal, create
+from subsoil.layers import Layers
+from subsoil.penetrometer import SMALL_CONE
+from subsoil.report import Progress, write_report
+from subsoil.scores import rmse
+from subsoil.simulation import Truth
+from subsoil.survey import Survey, fold, opening
+from subsoil.variogram import estimator_named
+
+World = Literal["simulated", "riseholme"]
+_FILE = "survey.gpkg"
+
+
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder to write to; made if missing.")] = Path("demo"),
+    field: Annotated[
+        World, typer.Option(help="A simulated field, or the surrogate of the paper's real one.")
+    ] = "simulated",
+    strategy: StrategyName = DEFAULT_STRATEGY,
+    samples: Samples = 30,
+    seed: Seed = 0,
+    estimator: EstimatorName = DEFAULT_ESTIMATOR,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the survey of an earlier demonstration.")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Show a robot survey a field adaptively; leaves a survey file, maps, figures and a report."""
+    path = folder(out) / _FILE
+    if overwrite:
+        path.unlink(missing_ok=True)
+    elif path.exists():
+        raise JournalError(
+            "there is a survey already",
+            where=str(path),
+            remedy="choose another --out, or give --overwrite",
+        )
+    land = _land(field)
+    layers = Layers()
+    settings = configured(land, strategy, samples, seed, estimator=estimator, world=field)
+    truth = truth_of(field, land, layers, seed)
+    with create(path, opening(land, layers, SMALL_CONE)) as journal:
+        survey, history = _survey(journal, settings, truth)
+    fits = survey.soil_map.fit(estimator_named(estimator))
+    rasters = write_geotiffs(survey.soil_map, land, out)
+    report = write_report(survey, history, fits, out)
+    result = {
+        **summary(survey),
+        "rmse_kpa": history[-1].rmse,
+        "survey": path,
+        "maps": rasters,
+        "report": report,
+    }
+    tell(result, as_json)
+
+
+def _survey(
+    journal: Journal, settings: Configured, truth: Truth
+) -> tuple[Survey, tuple[Progress, ...]]:
+    history: list[Progress] = []
+    with progress("surveying", settings.samples) as advance:
+
+        def follow(survey: Survey, event: Event) -> None:
+            if not isinstance(event, Planned) or not survey.visited:
+                return
+            history.append(_progress(survey, truth))
+            advance(len(survey.visited), _in_short(history[-1]))
+
+        dispatch = LocalDispatch(fold(journal.events()), journal, follow)
+        dispatch.record(settings)
+        drive("simulated robot", robot_of(dispatch.survey, truth), dispatch)
+        history.append(_progress(dispatch.survey, truth))
+        advance(len(dispatch.survey.visited), _in_short(history[-1]))
+    return dispatch.survey, tuple(history)
+
+
+def _progress(survey: Survey, truth: Truth) -> Progress:
+    spent = survey.spent
+    error = rmse(survey.soil_map.mean, truth.kpa)
+    return Progress(spent.samples, spent.metres, spent.minutes, spent.mean_kv, error)
+
+
+def _in_short(now: Progress) -> str:
+    spread = math.sqrt(now.mean_kv)
+    return (
+        f"√KV {spread:.0f} kPa  RMSE {now.rmse:.0f} kPa  {now.metres:.0f} m  {now.minutes:.0f} min"
+    )
+
+
+def _land(name: World) -> Field:
+    if name == "simulated":
+        return demo_field()
+    from subsoil.datasets import riseholme
+
+    return riseholme().half_field
