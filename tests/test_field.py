@@ -14,7 +14,7 @@ from shapely.geometry import LineString, MultiPolygon, Polygon, box
 
 from subsoil.errors import BoundaryError, ParameterError
 from subsoil.field import Field
-from subsoil.frames import check_metric, project, utm_crs
+from subsoil.frames import check_metric, looks_swapped, project, utm_crs
 
 SQUARE = [(0, 0), (100, 0), (100, 100), (0, 100)]
 LINCOLN = Polygon(
@@ -26,7 +26,8 @@ sides = st.floats(20.0, 300.0)
 
 
 def square(west: float, south: float, side: float) -> list[tuple[float, float]]:
-    return list(box(west, south, west + side, south + side).exterior.coords)[:-1]
+    east, north = west + side, south + side
+    return [(west, south), (east, south), (east, north), (west, north)]
 
 
 # Grid and cells
@@ -258,15 +259,34 @@ def swapped(outline: Polygon) -> Polygon:
 
 
 @pytest.mark.parametrize(
-    ("lon", "lat"), [(-0.53, 53.26), (-93.6, 42.0), (151.0, -33.0), (36.8, -1.3), (-2.3, 48.9)]
+    ("lon", "lat"), [(-0.53, 53.26), (-7.0, 53.3), (-93.6, 42.0), (151.0, -33.0)]
 )
-def test_swapped_latitude_and_longitude_are_noticed_and_the_right_order_is_not(
-    lon: float, lat: float
-) -> None:
+def test_swapped_latitude_and_longitude_are_noticed(lon: float, lat: float) -> None:
     outline = box(lon, lat, lon + 0.002, lat + 0.002)
     assert Field.from_lonlat(outline).area_ha > 1
     with pytest.raises(BoundaryError, match=r"home: .*swapped.*GeoJSON wants longitude first"):
         Field.from_lonlat(swapped(outline), name="home")
+
+
+@pytest.mark.parametrize(
+    "place",
+    {
+        "Nairobi": (36.8, -1.3),
+        "Kampala": (32.6, 0.3),
+        "Lusaka": (28.3, -15.4),
+        "Bamako": (-8.0, 12.6),
+        "Khartoum": (32.5, 15.6),
+        "Addis Ababa": (38.7, 9.0),
+        "Haiti": (-72.3, 18.6),
+        "Reykjavik": (-21.0, 64.0),
+        "Canaries": (-16.0, 28.0),
+        "Rennes": (-1.7, 48.1),
+        "Delhi": (77.0, 28.6),
+    }.items(),
+    ids=lambda place: place[0],
+)
+def test_no_field_on_land_is_taken_for_swapped(place: tuple[str, tuple[float, float]]) -> None:
+    assert not looks_swapped(*place[1])
 
 
 def test_metres_given_as_degrees_are_noticed() -> None:
@@ -287,9 +307,9 @@ def test_a_local_field_has_no_place_on_earth() -> None:
     [
         ("EPSG:99999", "there is no CRS 'EPSG:99999'.*EPSG:32630"),
         ("somewhere", "there is no CRS 'somewhere'"),
-        ("EPSG:4326", "measures in degree.*UTM zone"),
-        ("EPSG:2263", "measures in US survey foot"),
-        ("EPSG:4978", "not on a plane in metres"),
+        ("EPSG:4326", ".*measures in degree.*UTM zone"),
+        ("EPSG:2263", ".*measures in US survey foot"),
+        ("EPSG:4978", ".*not on a plane in metres"),
     ],
 )
 def test_a_crs_that_is_unknown_or_not_in_metres_is_refused(crs: str, message: str) -> None:

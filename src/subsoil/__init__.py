@@ -1,9 +1,11 @@
 """Adaptive soil-compaction surveying: krige while you probe, re-plan after every reading."""
 
+from subsoil.errors import SubsoilError
 from subsoil.field import Field
 from subsoil.kriging import OrdinaryKriging, Prediction, condition
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, Cone, Insertion, Profile, profile
+from subsoil.soilmap import SoilMap
 from subsoil.variogram.models import (
     BoundedLinear,
     Circular,
@@ -38,7 +40,9 @@ __all__ = [
     "Profile",
     "PureNugget",
     "Sample",
+    "SoilMap",
     "Spherical",
+    "SubsoilError",
     "Variogram",
     "condition",
     "profile",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 WGS84 = "EPSG:4326"
 """Longitude and latitude as satellite receivers give them."""
 
-_WIDEST_COUNTRY_FRAME_DEG = 25
+_WIDEST_COUNTRY_FRAME_DEG = 30
 
 
 def utm_crs(longitude: float, latitude: float) -> str:
@@ -111,7 +111,10 @@ def _transformer(source: str, target: str) -> Transformer:
 
 
 def looks_swapped(longitude: float, latitude: float) -> bool:
-    """Whether a place is at sea, and its mirror image with the numbers swapped is on land.
+    """Whether a place is surely at sea, and its mirror image with the numbers swapped is on land.
+
+    Land is where a country keeps a frame of its own, by the rectangles of the EPSG registry. They
+    overlap the sea, so many a swap goes unnoticed, but a field on land is not taken for one.
 
     Examples
     --------
@@ -120,22 +123,22 @@ def looks_swapped(longitude: float, latitude: float) -> bool:
     """
     if max(abs(longitude), abs(latitude)) > 90:
         return False
-    return not _on_land(longitude, latitude) and _on_land(latitude, longitude)
+    at_sea = not _countries(longitude, latitude)
+    return at_sea and any("onshore" in name for name in _countries(latitude, longitude))
 
 
-def _on_land(longitude: float, latitude: float) -> bool:
-    """Whether a country's own map projection covers the place, by the EPSG registry."""
+@cache
+def _countries(longitude: float, latitude: float) -> frozenset[str]:
+    """Names of areas of use that belong to a country and not to a zone, ocean or continent."""
     from pyproj.aoi import AreaOfInterest
     from pyproj.database import query_crs_info
     from pyproj.enums import PJType
 
+    kinds = [PJType.PROJECTED_CRS, PJType.GEOGRAPHIC_2D_CRS]
     here = AreaOfInterest(longitude, latitude, longitude, latitude)
-    found = query_crs_info("EPSG", PJType.PROJECTED_CRS, here, contains=True)
-    areas = (info.area_of_use for info in found if info.area_of_use)
-    return any(
-        "onshore" in area.name
-        and not area.name.startswith("Between")
-        and area.east - area.west < _WIDEST_COUNTRY_FRAME_DEG
-        for area in areas
-        if area.name
+    found = query_crs_info("EPSG", kinds, here, contains=True)
+    areas = [info.area_of_use for info in found if info.area_of_use]
+    names = (
+        area.name or "" for area in areas if 0 < area.east - area.west < _WIDEST_COUNTRY_FRAME_DEG
     )
+    return frozenset(name for name in names if name and not name.startswith("Between"))

@@ -1,8 +1,41 @@
-"""The report of a survey: figures and one page that says what they are worth."""
+"""The report of a survey: its pictures, and one page that says what they are worth."""
 
 from __future__ import annotations
 
+import base64
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import import_module, resources
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from subsoil.errors import MissingExtraError
+from subsoil.layers import LayerState
+from subsoil.plots import survey_figures
+from subsoil.plots.semivariance import kriged_with, remark
+from subsoil.survey import Survey
+from subsoil.uncertainty import standard_deviation
+from subsoil.variogram import Fit, name_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_TEMPLATE = "report.html.j2"
+_CAPTIONS = {
+    "depth_slices": "Kriged mean of every layer, all on one colour scale. The line joins the "
+    "samples in the order they were taken.",
+    "std_dev": "Kriging standard deviation: how far the soil may be from the mean, if the "
+    "variograms are right.",
+    "learning_curves": "What every sample brought.",
+    "variograms": "Half the mean squared difference of two samples by their distance, with the "
+    "number of pairs in each bin, and the curve fitted to it.",
+    "profiles": "Layer means of every sample. An arrow stands where the force limit ended the "
+    "push: the soil resists that or more.",
+}
 
 
 @dataclass(frozen=True)
@@ -26,3 +59,169 @@ class Progress:
     minutes: float
     mean_kv: float
     rmse: float
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A layer in the table of layers, as text."""
+
+    name: str
+    samples: str
+    mean: str
+    spread: str
+    std_dev: str
+    variogram: str
+    why: str
+    remark: str
+
+
+def write_report(
+    survey: Survey,
+    history: Sequence[Progress],
+    fits: Sequence[Fit],
+    folder: Path,
+    *,
+    title: str = "",
+) -> Path:
+    """Write ``report.html`` and the pictures in it as PNG files; returns the path of the page.
+
+    The page holds its pictures and needs nothing else, neither files nor a network.
+
+    Parameters
+    ----------
+    survey
+        Survey to report on, finished or not.
+    history
+        Where it stood after its samples; without any there are no learning curves.
+    fits
+        How the variograms were come by, one a layer.
+    folder
+        Where to write to; it exists.
+    title
+        Heading of the page. Default: the name of the survey.
+
+    Raises
+    ------
+    ReadingsError
+        If no sample has measured a layer yet.
+    ParameterError
+        If there is not one fit a layer.
+    MissingExtraError
+        If matplotlib or jinja2 is not installed.
+    """
+    jinja2 = _jinja2()
+    pictures = survey_figures(survey, history, fits, folder)
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    source = resources.files("subsoil").joinpath(_TEMPLATE).read_text(encoding="utf-8")
+    page = environment.from_string(source).render(
+        title=title or survey.name,
+        headline=dict(_headline(survey, history)),
+        layers=_rows(survey, fits),
+        notes=tuple(_notes(survey, history, fits)),
+        pictures=[(path.name, _CAPTIONS[path.stem], _inline(path)) for path in pictures],
+        finished=survey.finished,
+    )
+    path = Path(folder) / "report.html"
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str, str]]:
+    """Names and values of the first table."""
+    field, mean_kv = survey.field, survey.soil_map.mean_kv
+    yield "Field", field.name
+    yield "Area", f"{field.area_ha:.2f} ha, {len(field.cells)} cells of {field.cell_size:g} m"
+    yield "Frame", field.crs or "local, without a place on Earth"
+    yield "Samples", f"{len(survey.visited)}, and {len(survey.refused)} stops refused"
+    yield "Way driven", f"{survey.metres:.0f} m"
+    yield "Time", f"{survey.minutes:.0f} min"
+    yield "Mean kriging variance", f"{mean_kv:.0f} kPa², a standard deviation of {_root(mean_kv)} kPa"
+    if history and math.isfinite(history[-1].rmse):
+        last = history[-1]
+        yield "RMSE", f"{last.rmse:.0f} kPa against the simulated truth, {last.samples} samples"
+    for settings in survey.settings[-1:]:
+        yield "Strategy", settings.strategy
+        yield "Estimator", f"{settings.estimator}, refitted every {settings.refit_every} samples"
+        yield "Seed", str(settings.seed)
+        yield "Soil", settings.world
+    yield "Cone", f"{survey.cone.area_mm2:g} mm², {survey.cone.angle_deg:g}°"
+    yield "State", survey.finished or f"under way, {len(survey.plan)} stops planned"
+
+
+def _rows(survey: Survey, fits: Sequence[Fit]) -> tuple[_Row, ...]:
+    """Table of layers: mean and spread of the map, its standard deviation, and its variogram."""
+    soil_map = survey.soil_map
+    deviation = standard_deviation(soil_map.variance)
+    used = kriged_with(soil_map)
+    return tuple(
+        _Row(
+            name,
+            str(int(np.isfinite(soil_map.kpa[k]).sum())),
+            f"{soil_map.mean[k].mean():.0f}",
+            f"{soil_map.mean[k].std():.0f}",
+            f"{deviation[k].mean():.0f}",
+            _describe(fits[k]),
+            fits[k].why,
+            remark(fits[k], used[k]),
+        )
+        for k, name in enumerate(soil_map.layers.names)
+    )
+
+
+def _describe(fit: Fit) -> str:
+    model = fit.variogram
+    return (
+        f"{name_of(model)}, nugget {model.nugget:.3g}, sill {model.sill:.3g} kPa², "
+        f"range {model.range:.0f} m"
+    )
+
+
+def _notes(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> Iterator[str]:
+    """What a reader has to know before trusting the map."""
+    soil_map = survey.soil_map
+    yield (
+        "The standard deviation takes the variograms for known. They were estimated from these "
+        "samples, so the true uncertainty is larger, most of all with few samples."
+    )
+    if priors := sum(fit.is_prior for fit in fits):
+        yield (
+            f"{priors} of {len(fits)} layers have too few samples to fit a variogram: theirs is a "
+            "prior, and so is their standard deviation."
+        )
+    if bounds := sum(np.any(s.state == LayerState.AT_LEAST) for s in soil_map.samples):
+        yield (
+            f"The force limit ended {bounds} pushes inside a layer. Their lower bounds are shown "
+            "but not kriged, so the map is too soft where the soil is hardest."
+        )
+    if short := sum(np.any(s.state == LayerState.UNREACHED) for s in soil_map.samples):
+        yield f"{short} pushes did not reach the deepest layer; deeper layers have fewer samples."
+    if survey.refused:
+        yield (
+            f"{len(survey.refused)} stops gave no reading. They are crosses on the map and are "
+            "not on the line, but their metres and minutes count."
+        )
+    if history and math.isfinite(history[-1].rmse):
+        yield (
+            "The truth is simulated, and its error says how the survey did on that soil. It does "
+            "not say how it would do on another field."
+        )
+    yield from soil_map.notes
+
+
+def _inline(path: Path) -> str:
+    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
+
+
+def _root(mean_kv: float) -> str:
+    return f"{float(standard_deviation(mean_kv)):.0f}"
+
+
+def _jinja2() -> ModuleType:
+    try:
+        return import_module("jinja2")
+    except ImportError as error:
+        raise MissingExtraError(
+            "the report needs jinja2, which is not installed", remedy="pip install 'subsoil[plot]'"
+        ) from error

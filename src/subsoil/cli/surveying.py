@@ -12,7 +12,7 @@ import typer
 
 from subsoil.cli.output import AsJson, Seed, progress, tell, tell_table
 from subsoil.cli.worlds import robot_of, truth_of
-from subsoil.dispatch import LocalDispatch, Observer, drive
+from subsoil.dispatch import LocalDispatch, drive
 from subsoil.errors import ParameterError
 from subsoil.events import BatterySwapped, Configured, Event, Planned, Refused, Sampled
 from subsoil.field import Field

@@ -110,7 +110,16 @@ def _columns(names: tuple[str, ...], where: str) -> _Columns:
 
 
 def _position(names: tuple[str, ...], where: str) -> tuple[int, int, bool]:
-    places = {POSITION_COLUMNS[name]: k for k, name in enumerate(names) if name in POSITION_COLUMNS}
+    found = [
+        (POSITION_COLUMNS[name], k) for k, name in enumerate(names) if name in POSITION_COLUMNS
+    ]
+    places = dict(found)
+    if len(places) < len(found):
+        raise ReadingsError(
+            "two columns hold the same coordinate",
+            where=where,
+            remedy="keep one of each of latitude, longitude, easting and northing",
+        )
     if {"longitude", "latitude"} <= places.keys():
         return places["longitude"], places["latitude"], True
     if {"easting", "northing"} <= places.keys():

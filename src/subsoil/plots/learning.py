@@ -1,0 +1,94 @@
+"""How a map got better with every sample, and what that cost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.errors import ReadingsError
+from subsoil.plots.sheet import COLD, FAINT, SMALL, TEXT, WARM, Sheet, blank, head
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from subsoil.report import Progress
+
+Floats = NDArray[np.float64]
+
+_MOST_TICKS = 7
+
+
+def learning_curves(history: Sequence[Progress], *, caption: str = "") -> Figure:
+    """Error and kriging variance against samples, with metres and minutes under the samples.
+
+    The error is drawn where there is a truth, beside the root of the mean kriging variance: the
+    error that the map itself expects. Of several entries for one number of samples the last
+    counts.
+
+    Parameters
+    ----------
+    history
+        Where the survey stood after its samples.
+    caption
+        What to say under the title.
+
+    Raises
+    ------
+    ReadingsError
+        If the history is empty.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    if not history:
+        raise ReadingsError(
+            "there is nothing to draw: the history has no sample", where="learning curves"
+        )
+    last = {now.samples: now for now in history}
+    entries = [last[samples] for samples in sorted(last)]
+    rmse = np.array([now.rmse for now in entries])
+    kv = np.array([now.mean_kv for now in entries])
+    known = bool(np.isfinite(rmse).any())
+    layout = Sheet(1 + known, 1 + known, 4.4, 2.7, 0.3, 0.75, 0.85, 0.25, 0.75, 0.95)
+    figure = blank(layout.size, "What every sample brought", caption)
+    samples = np.array([now.samples for now in entries], dtype=float)
+    if known:
+        axes = layout.panel(figure, 0)
+        head(axes, "Error of the map, all layers")
+        _curve(axes, samples, rmse, WARM, "against the simulated truth (RMSE)", "o-")
+        _curve(axes, samples, np.sqrt(kv), COLD, "as the map expects it (root mean KV)", "s--")
+        axes.legend(fontsize=SMALL, frameon=False)
+        _label(axes, entries, "kPa")
+    axes = layout.panel(figure, int(known))
+    head(axes, "Kriging variance, mean over cells and layers")
+    _curve(axes, samples, kv, COLD, "mean KV", "s-")
+    _label(axes, entries, "mean KV (kPa²)")
+    return figure
+
+
+def _curve(axes: Axes, x: Floats, y: Floats, colour: str, name: str, look: str) -> None:
+    axes.plot(x, y, look, color=colour, label=name, linewidth=1.4, markersize=3)
+
+
+def _label(axes: Axes, entries: Sequence[Progress], unit: str) -> None:
+    """Axes from zero, and samples, metres and minutes under the lower one."""
+    picks = np.unique(np.linspace(0, len(entries) - 1, _MOST_TICKS).round().astype(int))
+    ticks = [entries[k] for k in picks]
+    axes.set_xticks(
+        [now.samples for now in ticks],
+        [f"{now.samples}\n{now.metres:.0f}\n{now.minutes:.0f}" for now in ticks],
+    )
+    axes.annotate(
+        "samples\nm driven\nmin", (0, 0), xytext=(-14, -4.5), xycoords="axes fraction",
+        textcoords="offset points", size=SMALL, color=FAINT, ha="right", va="top",
+    )  # fmt: skip
+    first, last = entries[0].samples, entries[-1].samples
+    axes.set_xlim(min(first, last - 1) - 0.5, last + 0.5)
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel(unit, size=TEXT)
+    axes.grid(color="#e5e5e5", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)

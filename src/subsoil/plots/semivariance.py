@@ -1,0 +1,130 @@
+"""Variograms of all layers: bins with their pairs, and the curves laid through them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.errors import ParameterError
+from subsoil.plots.sheet import COLD, FAINT, INK, SMALL, TEXT, WARM, blank, head, sheet
+from subsoil.soilmap import SoilMap
+from subsoil.variogram import Bounded, Fit, Variogram, name_of, semivariance
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+_THOUSAND = 1000.0
+
+
+def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> Figure:
+    """Empirical variogram of every layer with the number of pairs in each bin, and its curve.
+
+    A dashed second curve shows what a layer was kriged with, where that is another model.
+
+    Parameters
+    ----------
+    fits
+        How the variograms were come by, one a layer.
+    soil_map
+        Map kriged with them.
+    caption
+        What to say under the title.
+
+    Raises
+    ------
+    ParameterError
+        If there is not one fit a layer.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    names = soil_map.layers.names
+    if len(fits) != len(names):
+        raise ParameterError(
+            f"{len(fits)} fits for {len(names)} layers",
+            where="variograms",
+            remedy="give one a layer",
+        )
+    layout = sheet(
+        len(fits), 1.3, strip=0.62, across=0.42, left=0.65, right=0.2, top=0.65, bottom=0.5
+    )
+    figure = blank(layout.size, "Variograms, layer by layer", caption)
+    reach = _reach(fits)
+    for k, (name, fit, used) in enumerate(zip(names, fits, kriged_with(soil_map), strict=True)):
+        axes = layout.panel(figure, k)
+        head(axes, name, remark(fit, used))
+        _draw(axes, fit, used, reach)
+        if k % layout.columns == 0:
+            axes.set_ylabel("semivariance (10³ kPa²)", size=TEXT)
+        if k + layout.columns >= len(fits):
+            axes.set_xlabel("distance (m)", size=TEXT)
+    return figure
+
+
+def kriged_with(soil_map: SoilMap) -> tuple[Variogram, ...]:
+    """Model that each layer was kriged with; its own where no sample measured it.
+
+    It differs from the one that was fitted where that gave no valid system in the plane.
+    """
+    used = list(soil_map.variograms)
+    for stack in soil_map.stacks:
+        models = stack.estimate.kriging.variograms
+        for k, layer in enumerate(stack.layers):
+            used[layer] = models[k % len(models)]
+    return tuple(used)
+
+
+def remark(fit: Fit, used: Variogram) -> str:
+    """What to know of a fit, in a few words: a prior, a bound, another model; else empty."""
+    words = []
+    if fit.is_prior:
+        words.append("prior, not a fit")
+    elif fit.at_bound:
+        words.append(f"{' and '.join(fit.at_bound)} at bound")
+    if type(used) is not type(fit.variogram) and isinstance(used, Bounded):
+        words.append(f"kriged as {name_of(used)}")
+    return "; ".join(words)
+
+
+def _reach(fits: Sequence[Fit]) -> float:
+    """Distance in m up to which to draw: the bins', or beyond the range where there are none."""
+    last = max((fit.empirical.lag[-1] for fit in fits if fit.empirical.lag.size), default=0.0)
+    return 1.08 * float(last) if last else 1.3 * max(fit.variogram.range for fit in fits)
+
+
+def _draw(axes: Axes, fit: Fit, used: Variogram, reach: float) -> None:
+    bins, model = fit.empirical, fit.variogram
+    lag = np.linspace(0.0, reach, 300)[1:]
+    axes.plot(lag, semivariance(model, lag) / _THOUSAND, color=COLD, label=_parameters(model))
+    if type(used) is not type(model) and isinstance(used, Bounded):
+        curve = semivariance(used, lag) / _THOUSAND
+        axes.plot(lag, curve, "--", color=WARM, label=f"kriged: {name_of(used)}, {used.range:.0f} m")
+    if bins.lag.size:
+        size = 8.0 + 50.0 * bins.pairs / bins.pairs.max()
+        axes.scatter(bins.lag, bins.semivariance / _THOUSAND, s=size, color=INK, alpha=0.7)
+    top = max(model.sill, bins.semivariance.max(initial=0.0)) / _THOUSAND
+    axes.set(xlim=(0, reach), ylim=(0, 1.22 * top))
+    _count_pairs(axes, bins.lag, bins.pairs)
+    axes.legend(fontsize=6.5, loc="lower right", handlelength=1.2, framealpha=0.8, edgecolor="none")
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def _count_pairs(axes: Axes, lag: Floats, pairs: NDArray[np.int64]) -> None:
+    """Write the pairs of each bin above it."""
+    for x, number in zip(lag, pairs, strict=True):
+        axes.text(
+            x, 0.99, str(number), size=6, color=FAINT, ha="center", va="top",
+            transform=axes.get_xaxis_transform(), gid="pairs",
+        )  # fmt: skip
+
+
+def _parameters(model: Bounded) -> str:
+    return (
+        f"{name_of(model)}\nnugget {model.nugget / _THOUSAND:.3g}\n"
+        f"sill {model.sill / _THOUSAND:.3g}\nrange {model.range:.0f} m"
+    )

@@ -1,0 +1,62 @@
+"""Small surveys that many tests start from."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from subsoil.events import Configured
+from subsoil.field import Field
+from subsoil.layers import Layers
+from subsoil.penetrometer import SMALL_CONE
+from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate
+from subsoil.survey import Survey, opening
+
+from subsoil.events import Opened  # isort: skip
+
+
+@pytest.fixture(scope="session")
+def plot() -> Field:
+    """A field of 60 x 40 m, 96 cells."""
+    return Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)], name="plot")
+
+
+@pytest.fixture(scope="session")
+def plot_opened(plot: Field) -> Opened:
+    return opening(plot, Layers(), SMALL_CONE)
+
+
+@pytest.fixture(scope="session")
+def plot_truth(plot: Field) -> Truth:
+    return simulate(plot, np.random.default_rng(1))
+
+
+def configured(strategy: str = "adaptive-monte-carlo", samples: int = 8, seed: int = 3) -> Configured:
+    """How to survey the plot."""
+    return Configured(
+        strategy=strategy, estimator="paper-10", refit_every=1, seed=seed, start=(0.0, 0.0),
+        world="simulated", samples=samples, metres=math.inf, minutes=math.inf, mean_kv=0.0,
+    )  # fmt: skip
+
+
+def robot_at(survey: Survey, truth: Truth) -> SimulatedRobot:
+    """Simulated robot that goes on where a survey stands."""
+    seed = survey.configured.seed
+    machine = Machine(survey.cone)
+    return SimulatedRobot(
+        truth, machine, seed=seed, position=survey.position, stop=survey.step,
+        battery_s=machine.battery_s - survey.seconds,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def real_data() -> Path:
+    """Folder of real data; tests that need it are skipped without."""
+    folder = os.environ.get("SUBSOIL_DATA")
+    if not folder:
+        pytest.skip("SUBSOIL_DATA names no folder of real data")
+    return Path(folder)
