@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from subsoil.events import Configured
+from subsoil.events import Configured, Opened
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate
 from subsoil.survey import Survey, opening
-
-from subsoil.events import Opened  # isort: skip
-
 
 @pytest.fixture(scope="session")
 def plot() -> Field:
@@ -35,22 +33,36 @@ def plot_truth(plot: Field) -> Truth:
     return simulate(plot, np.random.default_rng(1))
 
 
-def configured(strategy: str = "adaptive-monte-carlo", samples: int = 8, seed: int = 3) -> Configured:
+Configure = Callable[..., Configured]
+
+
+@pytest.fixture(scope="session")
+def configured() -> Configure:
     """How to survey the plot."""
-    return Configured(
-        strategy=strategy, estimator="paper-10", refit_every=1, seed=seed, start=(0.0, 0.0),
-        world="simulated", samples=samples, metres=math.inf, minutes=math.inf, mean_kv=0.0,
-    )  # fmt: skip
+
+    def configure(
+        strategy: str = "adaptive-monte-carlo", samples: int = 8, seed: int = 3
+    ) -> Configured:
+        return Configured(
+            strategy=strategy, estimator="paper-10", refit_every=1, seed=seed, start=(0.0, 0.0),
+            world="simulated", samples=samples, metres=math.inf, minutes=math.inf, mean_kv=0.0,
+        )  # fmt: skip
+
+    return configure
 
 
-def robot_at(survey: Survey, truth: Truth) -> SimulatedRobot:
+@pytest.fixture(scope="session")
+def robot_at() -> Callable[[Survey, Truth], SimulatedRobot]:
     """Simulated robot that goes on where a survey stands."""
-    seed = survey.configured.seed
-    machine = Machine(survey.cone)
-    return SimulatedRobot(
-        truth, machine, seed=seed, position=survey.position, stop=survey.step,
-        battery_s=machine.battery_s - survey.seconds,
-    )  # fmt: skip
+
+    def make(survey: Survey, truth: Truth) -> SimulatedRobot:
+        machine = Machine(survey.cone)
+        return SimulatedRobot(
+            truth, machine, seed=survey.configured.seed, position=survey.position,
+            stop=survey.step, battery_s=machine.battery_s - survey.seconds,
+        )  # fmt: skip
+
+    return make
 
 
 @pytest.fixture(scope="session")

@@ -5,10 +5,15 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
+import shapely
 
 from subsoil.datasets import RiseholmeSurvey, half_field, riseholme
 from subsoil.errors import DataUnavailableError, MissingExtraError
@@ -103,8 +108,8 @@ def test_the_table_derived_from_the_robots_file_says_the_same(survey: RiseholmeS
 
 @needs_data
 def test_the_half_field_shares_its_western_corners_with_the_whole(survey: RiseholmeSurvey) -> None:
-    whole = np.array(survey.field.boundary.exterior.coords)[:2]
-    half = np.array(survey.half_field.boundary.exterior.coords)[:2]
+    whole = shapely.get_coordinates(survey.field.boundary)[:2]
+    half = shapely.get_coordinates(survey.half_field.boundary)[:2]
     assert np.hypot(*(whole - half).T).max() < 0.05
 
 
@@ -166,6 +171,34 @@ def test_what_was_downloaded_once_is_there_without_a_network(elsewhere: Path) ->
     assert len(riseholme(url=NOWHERE).readings) == 177
 
 
-def test_a_download_is_kept_and_checked(elsewhere: Path) -> None:
-    folder = elsewhere / "published" / "ddef22db21452f1f7dc27af1daf6c2d58eabb447"
-    assert not folder.exists()
+@pytest.fixture
+def published(tmp_path: Path) -> Iterator[str]:
+    """Address of a server that publishes the real outline, and other readings than the real."""
+    for commit, name, text in (
+        ("ddef22db21452f1f7dc27af1daf6c2d58eabb447", "cosmos.coords", None),
+        ("c44416baab603a313741f3fbd9318660dfa347bf", "cosmos-gt.yaml", "names: []"),
+    ):
+        folder = tmp_path / "published" / commit / "kriging_exploration" / "resources"
+        folder.mkdir(parents=True)
+        source = Path(DATA) / "riseholme" / name
+        (folder / name).write_bytes(source.read_bytes() if text is None else text.encode())
+    serve = partial(Quiet, directory=str(tmp_path / "published"))
+    with ThreadingHTTPServer(("127.0.0.1", 0), serve) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    def log_message(self, *_: object) -> None:
+        """Say nothing."""
+
+
+@needs_data
+def test_downloads_are_kept_if_they_are_what_was_published_and_refused_if_not(
+    elsewhere: Path, published: str
+) -> None:
+    with pytest.raises(DataUnavailableError, match=r"cosmos-gt\.yaml: .*SHA-256 differs"):
+        riseholme(url=published)
+    kept = [path.name for path in (elsewhere / "cache").rglob("cosmos*")]
+    assert kept == ["cosmos.coords"]

@@ -28,6 +28,7 @@ from subsoil.io.readings import Readings, read_readings
 COSMOS_URL = "https://raw.githubusercontent.com/Jailander/COSMOS"
 """Where the robot group of Lincoln publishes its surveys (MIT licence)."""
 
+_SET = "set SUBSOIL_DATA to a folder with riseholme/cosmos-gt.yaml and riseholme/cosmos.coords"
 _FOLDER = "kriging_exploration/resources"
 _HALF_FIELD_OSGB36 = (
     (498298.6, 374949.8),
@@ -171,12 +172,17 @@ def _download(file: _File, url: str) -> Path:
             fname=file.name,
             path=pooch.os_cache("subsoil"),
         )
-    except (OSError, ValueError) as error:
+    except OSError as error:
         raise DataUnavailableError(
             f"it cannot be downloaded ({type(error).__name__})",
             where=address,
-            remedy="connect to the network, or set SUBSOIL_DATA to a folder that has "
-            f"riseholme/{file.name}",
+            remedy=f"connect to the network, or {_SET}",
+        ) from error
+    except ValueError as error:
+        raise DataUnavailableError(
+            "what is there is not what was published: its SHA-256 differs",
+            where=address,
+            remedy=_SET,
         ) from error
     return Path(path)
 
@@ -188,5 +194,5 @@ def _pooch(file: _File) -> ModuleType:
         raise MissingExtraError(
             "downloading data needs pooch, which is not installed",
             where=file.name,
-            remedy="pip install 'subsoil[data]', or set SUBSOIL_DATA to a folder with the data",
+            remedy=f"pip install 'subsoil[data]', or {_SET}",
         ) from error

@@ -4,6 +4,9 @@ The ``events`` table is the truth. Layers ``boundary``, ``samples``, ``refusals`
 ``route`` are drawn from it in the same transaction. An event is on disk (``synchronous=FULL``)
 when :meth:`Journal.append` returns; a power cut at any byte loses none that was acknowledged.
 Each row carries a digest of itself and of all rows before it.
+
+Look at a running survey with GDAL or QGIS from another process than the one that writes: GDAL brings a
+sqlite of its own, and two of them in one process do not see each other's locks.
 """
 
 from __future__ import annotations
@@ -39,6 +42,8 @@ _EVENTS = {
 _OWNER = {"who": "TEXT NOT NULL", "since": "TEXT NOT NULL"}
 _BUSY_SECONDS = 30.0
 _ROOT = "subsoil"
+_HEADER_BYTES = 100
+_GPKG = APPLICATION_ID.to_bytes(4, "big")
 
 
 class Journal:
@@ -91,7 +96,7 @@ class Journal:
             self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._database.execute("PRAGMA journal_mode = DELETE")
             self._database.close()
-        self._lock.release()
+        _unlock(self._lock)
 
     @contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
@@ -138,7 +143,7 @@ def create(path: Path, opening: Opened) -> Journal:
             database.execute("PRAGMA journal_mode = WAL")
     except BaseException:
         path.unlink(missing_ok=True)
-        lock.release()
+        _unlock(lock)
         raise
     return Journal(path, database, lock, srs)
 
@@ -165,7 +170,7 @@ def open_journal(path: Path) -> Journal:
             _claim(database)
             srs = layout.srs_of(database)
     except BaseException:
-        lock.release()
+        _unlock(lock)
         raise
     return Journal(path, database, lock, srs)
 
@@ -186,7 +191,9 @@ def read_events(path: Path) -> tuple[Event, ...]:
 
 @contextmanager
 def reading(path: Path) -> Iterator[sqlite3.Connection]:
-    """Connection to a survey file that cannot change it.
+    """Connect to a survey file without being able to change it.
+
+    sqlite itself may: after a power cut it first brings the file in order.
 
     Raises
     ------
@@ -194,9 +201,13 @@ def reading(path: Path) -> Iterator[sqlite3.Connection]:
         If it is missing or not a survey file.
     """
     _check_file(path)
+    mode = "rw" if os.access(path, os.W_OK) else "ro"
     with _explained(path):
-        database = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)
+        database = sqlite3.connect(
+            f"{path.resolve().as_uri()}?mode={mode}", uri=True, timeout=_BUSY_SECONDS
+        )
         try:
+            database.execute("PRAGMA query_only = ON")
             _check_survey(database, path)
             yield database
         finally:
@@ -271,6 +282,12 @@ def _locked(path: Path) -> FileLock:
     return lock
 
 
+def _unlock(lock: FileLock) -> None:
+    """Give a lock back and take its file away; a rival that waits on that file starts over."""
+    Path(lock.lock_file).unlink(missing_ok=True)
+    lock.release()
+
+
 def _owner(path: Path) -> str:
     with reading(path) as database:
         row = database.execute("SELECT who, since FROM subsoil_owner").fetchone()
@@ -278,27 +295,29 @@ def _owner(path: Path) -> str:
 
 
 def _check_file(path: Path) -> None:
+    """Check from its header that a file is there and is a GeoPackage."""
     if not path.is_file():
         raise JournalError(
             "there is no such file", where=str(path), remedy="start a survey with `subsoil init`"
         )
+    with _explained(path), path.open("rb") as file:
+        header = file.read(_HEADER_BYTES)
+    if not header.startswith(b"SQLite format 3\0") or header[68:72] != _GPKG:
+        raise _foreign(path, "no GeoPackage")
 
 
 def _check_survey(database: sqlite3.Connection, path: Path) -> None:
-    try:
-        (application,) = database.execute("PRAGMA application_id").fetchone()
-        tables = {row[0] for row in database.execute("SELECT name FROM sqlite_master")}
-    except sqlite3.DatabaseError as error:
-        if "not a database" not in str(error):
-            raise
-        application, tables = 0, set()
-    if application != APPLICATION_ID or not {"events", "subsoil_owner"} <= tables:
-        kind = "another program's GeoPackage" if application == APPLICATION_ID else "no GeoPackage"
-        raise JournalError(
-            f"not a subsoil survey but {kind}",
-            where=str(path),
-            remedy="start a survey with `subsoil init` under another name",
-        )
+    tables = {row[0] for row in database.execute("SELECT name FROM sqlite_master")}
+    if not {"events", "subsoil_owner"} <= tables:
+        raise _foreign(path, "another program's GeoPackage")
+
+
+def _foreign(path: Path, kind: str) -> JournalError:
+    return JournalError(
+        f"not a subsoil survey but {kind}",
+        where=str(path),
+        remedy="start a survey with `subsoil init` under another name",
+    )
 
 
 @contextmanager

@@ -315,6 +315,26 @@ def test_two_columns_that_are_no_field_are_refused_by_file_and_row(
         read_field(save("home.csv", text))
 
 
+@given(
+    st.text(),
+    st.sampled_from(["", COORDS, "easting,northing\n", "lat,lon\n"]),
+    st.sampled_from([".coords", ".csv"]),
+)
+@settings(deadline=None, max_examples=200)
+def test_no_text_whatever_makes_anything_but_a_field_or_a_boundary_error(
+    tmp_path_factory: pytest.TempPathFactory, text: str, start: str, suffix: str
+) -> None:
+    path = tmp_path_factory.mktemp("any") / f"any{suffix}"
+    path.write_bytes((start + text).encode("utf-8", "surrogatepass"))
+    try:
+        assert len(read_field(path).cells) > 0
+    except BoundaryError as error:
+        complaint = str(error)
+    else:
+        return
+    assert path.name in complaint
+
+
 # Keep-outs from a file of their own
 
 

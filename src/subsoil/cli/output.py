@@ -18,6 +18,9 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON."
 Seed = Annotated[int, typer.Option(help="Seed of everything random.", min=0)]
 Out = Annotated[Path, typer.Option(help="Folder to write to; made if missing.")]
 
+_LABELS = {"metres": "way (m)", "minutes": "time (min)", "mean_kv": "mean KV (kPa²)"}
+_UNITS = {"ha": "ha", "kpa": "kPa", "kpa2": "kPa²", "mm2": "mm²", "m": "m", "gib": "GiB"}
+
 Advance = Callable[[int, str], None]
 """Told how far the work is and what to say about it."""
 
@@ -29,7 +32,7 @@ def tell(result: Mapping[str, object], as_json: bool) -> None:
         return
     table = Table.grid(padding=(0, 2))
     for name, value in result.items():
-        table.add_row(name.replace("_", " "), _shown(value))
+        table.add_row(_label(name), _shown(value))
     Console().print(table)
 
 
@@ -37,7 +40,7 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[objec
     """Print rows under a title, for people."""
     table = Table(title=title, title_justify="left")
     for k, name in enumerate(columns):
-        table.add_column(name, justify="right" if k else "left")
+        table.add_column(_label(name), justify="right" if k else "left")
     for row in rows:
         table.add_row(*(_shown(value) for value in row))
     Console().print(table)
@@ -64,6 +67,14 @@ def folder(path: Path) -> Path:
     """Make a folder if it is missing."""
     path.mkdir(parents=True, exist_ok=True)
     return path
+
+
+def _label(name: str) -> str:
+    """Name of a number with its unit, for people."""
+    if name in _LABELS:
+        return _LABELS[name]
+    words, _, unit = name.rpartition("_")
+    return f"{words.replace('_', ' ')} ({_UNITS[unit]})" if unit in _UNITS else name.replace("_", " ")
 
 
 def _plain(value: object) -> object:

@@ -81,7 +81,10 @@ def _table(text: str, delimiter: str, file: str) -> list[Row]:
         raise ReadingsError(
             f"this is not a table: {error}", where=f"{file}, row {reader.line_num}"
         ) from error
-    return [(row, cells) for row, cells in rows if any(cell.strip() for cell in cells)]
+    rows = [(row, cells) for row, cells in rows if any(cell.strip() for cell in cells)]
+    if not rows:
+        raise ReadingsError("all its cells are blank", where=file, remedy="export it again")
+    return rows
 
 
 def _decimal(body: list[Row], columns: _Columns) -> str:
