@@ -17,6 +17,7 @@ from subsoil.penetrometer import SMALL_CONE
 from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate
 from subsoil.survey import Survey, opening
 
+
 @pytest.fixture(scope="session")
 def plot() -> Field:
     """A field of 60 x 40 m, 96 cells."""

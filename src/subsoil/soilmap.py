@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,18 +21,30 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Stack:
-    """Layers that the same samples reached, kriged together."""
+    """Layers that the same samples reached, kriged together.
+
+    Attributes
+    ----------
+    layers
+        Their indices.
+    estimate
+        What they were kriged to, cell by cell.
+    samples
+        Number of samples taken into account, those that did not reach these layers included.
+    """
 
     layers: tuple[int, ...]
     estimate: Estimate
+    samples: int
 
 
 @dataclass(frozen=True)
 class SoilMap:
     """Soil strength of every cell and layer, given samples and one variogram a layer.
 
-    A value: appending a sample or refitting returns a new map. A sample that did not reach a
-    layer is not in that layer's system. Kriging happens when a result is first asked for.
+    A value: appending a sample or refitting returns a new map. A sample that did not go through
+    a layer is not in that layer's system, lower bounds included. Kriging happens when a result is
+    first asked for.
 
     Parameters
     ----------
@@ -44,19 +56,38 @@ class SoilMap:
         m models; may be empty while there is no sample.
     samples
         Readings so far.
+    kriged
+        Stacks of the same cells and variograms and the first of the samples, to go on from:
+        what :meth:`append` hands on. They change what a result costs and not what it is, and do
+        not survive :func:`dataclasses.replace`.
 
     Raises
     ------
     ParameterError
         If there are samples and not one variogram a layer.
+
+    Examples
+    --------
+    >>> from subsoil.field import Field
+    >>> from subsoil.variogram import Spherical
+    >>> field, layers = Field.from_metres([(0, 0), (40, 0), (40, 30), (0, 30)]), Layers((0, 0.4))
+    >>> model = Spherical(nugget=100.0, range=30.0, psill=900.0)
+    >>> first = Sample((2.5, 2.5), np.array([800.0]), np.zeros(1, dtype=np.int8))
+    >>> second = Sample((37.5, 27.5), np.array([900.0]), np.zeros(1, dtype=np.int8))
+    >>> soil_map = SoilMap(field.cells, layers, (model,), (first, second))
+    >>> soil_map.mean_kpa[[0, -1]].round(1), soil_map.kv[[0, -1]].round(1)
+    (array([805., 895.]), array([95., 95.]))
     """
 
     cells: Floats
     layers: Layers
     variograms: tuple[Variogram, ...] = ()
     samples: tuple[Sample, ...] = ()
+    kriged: InitVar[tuple[Stack, ...]] = ()
+    _start: tuple[Stack, ...] = field(init=False, repr=False, compare=False)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, kriged: tuple[Stack, ...]) -> None:
+        object.__setattr__(self, "_start", kriged)
         if self.samples and len(self.variograms) != len(self.layers):
             raise ParameterError(
                 f"{len(self.variograms)} variograms for {len(self.layers)} layers",
@@ -65,13 +96,12 @@ class SoilMap:
             )
 
     def append(self, sample: Sample) -> SoilMap:
-        """Map with one more sample under the same variograms; exact, and cheap once kriged."""
-        grown = replace(self, samples=(*self.samples, sample))
-        if "stacks" in self.__dict__ and self.samples:
-            stacks = _grown(self.stacks, sample)
-            if stacks and np.isfinite(sample.measured_kpa[list(_missing(self))]).sum() == 0:
-                grown.__dict__["stacks"] = stacks
-        return grown
+        """Map with one more sample under the same variograms.
+
+        Exact. Costs O(n N) a layer where this map was kriged already, and nothing otherwise.
+        """
+        start = vars(self).get("stacks", self._start)
+        return replace(self, samples=(*self.samples, sample), kriged=start)
 
     def refit(self, variograms: Sequence[Variogram]) -> SoilMap:
         """Map of the same samples under other variograms, one a layer."""
@@ -95,46 +125,54 @@ class SoilMap:
     @cached_property
     def stacks(self) -> tuple[Stack, ...]:
         """Layers by the samples that reached them; layers without any are in none."""
-        reached = np.isfinite(self.kpa)
-        patterns: dict[bytes, list[int]] = {}
-        for layer, row in enumerate(reached):
-            if row.any():
-                patterns.setdefault(row.tobytes(), []).append(layer)
-        return tuple(self._stack(tuple(layers)) for layers in patterns.values())
+        by_reach: dict[bytes, list[int]] = {}
+        for layer, reached in enumerate(np.isfinite(self.kpa)):
+            if reached.any():
+                by_reach.setdefault(reached.tobytes(), []).append(layer)
+        before = {stack.layers: stack for stack in self._start}
+        return tuple(
+            self._followed(before[layers]) if layers in before else self._begun(layers)
+            for layers in map(tuple, by_reach.values())
+        )
 
-    def _stack(self, layers: tuple[int, ...]) -> Stack:
-        chosen = list(layers)
-        values = self.kpa[chosen]
-        reached = np.isfinite(values[0])
-        error = np.array([s.error_variance for s in self.samples])[reached]
+    def _begun(self, layers: tuple[int, ...]) -> Stack:
+        """Krige layers from nothing."""
         models = tuple(self.variograms[k] for k in layers)
-        ok = condition(
-            models[0] if len(set(models)) == 1 else models,
-            self.at[reached],
-            values[:, reached],
-            error_variance=error,
-        )
-        estimate = over(ok, self.cells)
-        broken = broken_layers(ok, estimate.prediction.variance)
-        return Stack(
-            layers, over(ok.with_circular(broken), self.cells) if broken.any() else estimate
-        )
+        at, kpa, error = self._readings(layers)
+        shared = models[0] if len(set(models)) == 1 else models
+        estimate = over(condition(shared, at, kpa, error_variance=error), self.cells)
+        return Stack(layers, _valid(estimate), len(self.samples))
+
+    def _followed(self, stack: Stack) -> Stack:
+        """Bring a stack up to the last sample."""
+        at, kpa, error = self._readings(stack.layers, since=stack.samples)
+        if not len(at):
+            return replace(stack, samples=len(self.samples))
+        estimate = stack.estimate.append(at, kpa, error_variance=error)
+        return Stack(stack.layers, _valid(estimate), len(self.samples))
+
+    def _readings(self, layers: tuple[int, ...], since: int = 0) -> tuple[Floats, Floats, Floats]:
+        """(n, 2) places, (g, n) kPa and (n,) error variances of samples that reached layers."""
+        samples = [s for s in self.samples[since:] if np.isfinite(s.measured_kpa[layers[0]])]
+        at = np.array([s.at for s in samples])
+        kpa = np.array([s.measured_kpa[list(layers)] for s in samples]).T
+        return at, kpa, np.array([s.error_variance for s in samples])
 
     @cached_property
     def mean(self) -> Floats:
         """(m, N) kriged kPa; NaN in layers that no sample reached."""
-        return self._spread("mean")
+        return self._laid_out([stack.estimate.prediction.mean for stack in self.stacks])
 
     @cached_property
     def variance(self) -> Floats:
         """(m, N) kriging variance in kPa2; NaN in layers that no sample reached."""
-        return self._spread("variance")
+        return self._laid_out([stack.estimate.prediction.variance for stack in self.stacks])
 
-    def _spread(self, what: str) -> Floats:
+    def _laid_out(self, by_stack: Sequence[Floats]) -> Floats:
         result = np.full((len(self.layers), len(self.cells)), np.nan)
-        for stack in self.stacks:
-            result[list(stack.layers)] = getattr(stack.estimate.prediction, what)
-        result.flags.writeable = False
+        for stack, values in zip(self.stacks, by_stack, strict=True):
+            result[list(stack.layers)] = values
+        result.setflags(write=False)
         return result
 
     @cached_property
@@ -142,38 +180,43 @@ class SoilMap:
         """(N,) kriging variance of each cell in kPa2, averaged over the layers by their weights.
 
         The paper's eq. 4, as the mean over the m layers. Layers without a sample do not count;
-        with no sample at all, every cell is NaN.
+        where no layer that counts has one, every cell is NaN.
         """
-        return self._average(self.variance)
+        return self._averaged(self.variance)
 
-    @property
+    @cached_property
     def mean_kv(self) -> float:
         """Field average of :attr:`kv` in kPa2."""
         return float(self.kv.mean())
 
     @cached_property
     def mean_kpa(self) -> Floats:
-        """(N,) kriged kPa of each cell, averaged over the layers by their weights."""
-        return self._average(self.mean)
+        """(N,) kriged kPa of each cell, averaged over the layers by their weights, as in kv."""
+        return self._averaged(self.mean)
 
-    def _average(self, layers: Floats) -> Floats:
+    def _averaged(self, layers: Floats) -> Floats:
         weights = self._weights
-        if not weights.any():
-            return np.full(len(self.cells), np.nan)
-        average: Floats = weights @ np.nan_to_num(layers, nan=0.0)
+        counts = weights > 0
+        average = (
+            weights[counts] @ layers[counts] if counts.any() else np.full(len(self.cells), np.nan)
+        )
+        average.setflags(write=False)
         return average
 
-    @property
+    @cached_property
     def _weights(self) -> Floats:
-        known = np.zeros(len(self.layers))
+        """(m,) weights of the layers with a sample, summing to one; all zero if none counts."""
+        reached = np.zeros(len(self.layers))
         for stack in self.stacks:
-            known[list(stack.layers)] = 1.0
-        weights: Floats = known * np.array(self.layers.weights)
-        total = weights.sum()
-        return weights / total if total > 0 else weights
+            reached[list(stack.layers)] = 1.0
+        weights: Floats = reached * self.layers.weights
+        return weights / (weights.sum() or 1.0)
 
     def kv_drop(self, candidates: ArrayLike) -> Floats:
-        """(k, N) fall of :attr:`kv` everywhere if one of k cells were probed next; exact."""
+        """(k, N) fall of :attr:`kv` everywhere if one of k cells were probed next.
+
+        Exact while the variograms hold and the push goes as deep as some push did before.
+        """
         index = np.asarray(candidates, dtype=np.int64)
         drop = np.zeros((len(index), len(self.cells)))
         for stack in self.stacks:
@@ -182,35 +225,33 @@ class SoilMap:
         return drop
 
     @property
+    def kriged_with(self) -> tuple[Variogram, ...]:
+        """Model that each layer was kriged with; its own where no sample reached it.
+
+        It is another than in :attr:`variograms` where that gives no valid system in the plane.
+        """
+        used = list(self.variograms)
+        for stack in self.stacks:
+            models = stack.estimate.kriging.variograms
+            for k, layer in enumerate(stack.layers):
+                used[layer] = models[k % len(models)]
+        return tuple(used)
+
+    @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the map should know, such as a model that had to be replaced."""
-        return tuple(
-            f"{', '.join(self.layers.names[k] for k in stack.layers)}: {note}"
-            for stack in self.stacks
-            for note in stack.estimate.kriging.notes
+        """What a reader of the map should know: which models had to be replaced."""
+        layers = zip(self.layers.names, self.variograms, self.kriged_with, strict=False)
+        replaced = [name for name, model, used in layers if used != model]
+        if not replaced:
+            return ()
+        return (
+            f"{', '.join(replaced)}: bounded linear model not valid in the plane for these "
+            "readings: kriged with the circular model of the same slope",
         )
 
 
-def _missing(soil_map: SoilMap) -> set[int]:
-    present = {k for stack in soil_map.stacks for k in stack.layers}
-    return set(range(len(soil_map.layers))) - present
-
-
-def _grown(stacks: tuple[Stack, ...], sample: Sample) -> tuple[Stack, ...]:
-    """Stacks with one more sample, or none if it reached only some layers of a stack."""
-    grown = []
-    for stack in stacks:
-        values = sample.measured_kpa[list(stack.layers)]
-        reached = np.isfinite(values)
-        if reached.all():
-            estimate = stack.estimate.append(
-                sample.at, values, error_variance=sample.error_variance
-            )
-            if broken_layers(estimate.kriging, estimate.prediction.variance).any():
-                return ()
-            grown.append(Stack(stack.layers, estimate))
-        elif reached.any():
-            return ()
-        else:
-            grown.append(stack)
-    return tuple(grown)
+def _valid(estimate: Estimate) -> Estimate:
+    """Krige anew with the circular model what a bounded linear one gave a negative variance."""
+    ok = estimate.kriging
+    broken = broken_layers(ok, estimate.prediction.variance)
+    return over(ok.with_circular(broken), estimate.targets) if broken.any() else estimate

@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import reduce
+from math import nan
 
 import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.errors import CorruptJournalError
+from subsoil.errors import CorruptJournalError, JournalError
 from subsoil.events import (
     BatterySwapped,
     Configured,
@@ -100,11 +101,11 @@ class Survey:
 
         Raises
         ------
-        CorruptJournalError
+        JournalError
             If that was never decided.
         """
         if not self.settings:
-            raise CorruptJournalError(
+            raise JournalError(
                 "no strategy was chosen yet", where=self.name, remedy="subsoil run SURVEY.gpkg"
             )
         return self.settings[-1]
@@ -122,7 +123,16 @@ class Survey:
     @property
     def spent(self) -> Spent:
         """What it has cost, and what it has to show."""
-        return Spent(len(self.visited), self.metres, self.minutes, self.soil_map.mean_kv)
+        return Spent(len(self.visited), self.metres, self.minutes, self.mean_kv)
+
+    @property
+    def mean_kv(self) -> float:
+        """Field average of the kriging variance in kPa2; NaN before a second sample.
+
+        One sample tells nothing of how much the soil varies: its variances are in no known unit
+        and only good for comparing cells.
+        """
+        return self.soil_map.mean_kv if len(self.visited) > 1 else nan
 
 
 def opened(event: Opened) -> Survey:
@@ -288,7 +298,7 @@ def _plan(survey: Survey) -> Planned:
         step=survey.step,
         cells=plan.cells,
         reason=plan.reason,
-        mean_kv=survey.soil_map.mean_kv,
+        mean_kv=survey.mean_kv,
     )
 
 

@@ -93,7 +93,7 @@ def test_other_programs_read_the_layers_while_the_survey_runs(
 
 
 def test_every_layer_opens_in_gdal_with_its_geometry(finished: Path) -> None:
-    layers = {name: kind for name, kind in pyogrio.list_layers(finished)}
+    layers = dict(pyogrio.list_layers(finished))
     assert layers["boundary"] == "MultiPolygon"
     assert layers["samples"] == layers["targets"] == layers["refusals"] == "Point"
     assert layers["route"] == "LineString"
@@ -168,7 +168,7 @@ def test_another_programs_geopackage_is_refused_and_left_alone(tmp_path: Path) -
 
 
 def test_a_missing_file_says_how_to_start_one(tmp_path: Path) -> None:
-    with pytest.raises(JournalError, match="no such file.*subsoil init"):
+    with pytest.raises(JournalError, match=r"no such file.*subsoil init"):
         read_events(tmp_path / "none.gpkg")
 
 

@@ -103,9 +103,7 @@ def test_a_report_on_a_cell_outside_the_field_is_an_error(
     plot_opened: Opened, configured: Configure
 ) -> None:
     dispatch = LocalDispatch(apply(opened(plot_opened), configured()), Notes())
-    report = Refused(
-        agent="a", cell=9999, at=(0, 0), reason="stone", metres=1, seconds=1, tries=1
-    )
+    report = Refused(agent="a", cell=9999, at=(0, 0), reason="stone", metres=1, seconds=1, tries=1)
     with pytest.raises(CorruptJournalError, match="cell 9999"):
         dispatch.report(report)
 

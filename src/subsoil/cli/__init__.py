@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import sys
 
-import click
 import typer
 
 from subsoil.cli import analysing, demonstrating, diagnosing, surveying
@@ -46,9 +45,9 @@ def run(arguments: list[str]) -> int:
         code = app(arguments, standalone_mode=False)
     except SubsoilError as error:
         return _say(str(error), error.exit_code)
-    except click.ClickException as error:
+    except typer.TyperException as error:
         return _say(error.format_message(), 2)
-    except (click.Abort, KeyboardInterrupt):
+    except (typer.Abort, KeyboardInterrupt):
         return _say("stopped; nothing recorded is lost, go on with `subsoil resume`", 3)
     except OSError as error:
         return _say(f"{error.filename or 'disk'}: {error.strerror or error}", 3)

@@ -19,6 +19,7 @@ Seed = Annotated[int, typer.Option(help="Seed of everything random.", min=0)]
 Out = Annotated[Path, typer.Option(help="Folder to write to; made if missing.")]
 
 _LABELS = {"metres": "way (m)", "minutes": "time (min)", "mean_kv": "mean KV (kPa²)"}
+_PIPE_COLUMNS = 160
 _UNITS = {"ha": "ha", "kpa": "kPa", "kpa2": "kPa²", "mm2": "mm²", "m": "m", "gib": "GiB"}
 
 Advance = Callable[[int, str], None]
@@ -33,7 +34,7 @@ def tell(result: Mapping[str, object], as_json: bool) -> None:
     table = Table.grid(padding=(0, 2))
     for name, value in result.items():
         table.add_row(_label(name), _shown(value))
-    Console().print(table)
+    _console().print(table)
 
 
 def tell_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
@@ -43,7 +44,7 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[objec
         table.add_column(_label(name), justify="right" if k else "left")
     for row in rows:
         table.add_row(*(_shown(value) for value in row))
-    Console().print(table)
+    _console().print(table)
 
 
 @contextmanager
@@ -74,7 +75,15 @@ def _label(name: str) -> str:
     if name in _LABELS:
         return _LABELS[name]
     words, _, unit = name.rpartition("_")
-    return f"{words.replace('_', ' ')} ({_UNITS[unit]})" if unit in _UNITS else name.replace("_", " ")
+    return (
+        f"{words.replace('_', ' ')} ({_UNITS[unit]})" if unit in _UNITS else name.replace("_", " ")
+    )
+
+
+def _console() -> Console:
+    """Terminal as wide as it is; files and pipes as wide as any table."""
+    console = Console()
+    return console if console.is_terminal else Console(width=_PIPE_COLUMNS)
 
 
 def _plain(value: object) -> object:
@@ -87,9 +96,15 @@ def _plain(value: object) -> object:
     return str(value) if isinstance(value, Path) else value
 
 
+def _number(value: float) -> str:
+    if not math.isfinite(value):
+        return "-"
+    return f"{value:.1f}" if abs(value) >= 1000 else f"{value:.3f}".rstrip("0").rstrip(".")
+
+
 def _shown(value: object) -> str:
     if isinstance(value, float):
-        return f"{value:.4g}" if math.isfinite(value) and abs(value) < 1000 else f"{value:.0f}"
+        return _number(value)
     if isinstance(value, Mapping):
         return ", ".join(f"{key} {_shown(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):

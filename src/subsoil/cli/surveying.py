@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +12,7 @@ import shapely
 import typer
 
 from subsoil.cli.output import AsJson, Seed, progress, tell, tell_table
-from subsoil.cli.worlds import robot_of, truth_of
+from subsoil.cli.worlds import check_world, robot_of, truth_of
 from subsoil.dispatch import LocalDispatch, drive
 from subsoil.errors import ParameterError
 from subsoil.events import BatterySwapped, Configured, Event, Planned, Refused, Sampled
@@ -45,6 +46,7 @@ ConeArea = Annotated[
 DEFAULT_STRATEGY = "adaptive-monte-carlo"
 DEFAULT_ESTIMATOR = "paper-10"
 _AGENT = "simulated robot"
+_DEGREES = {"longitude", "latitude"}
 
 
 def init(
@@ -77,7 +79,7 @@ def init(
         "crs": field.crs or "local frame",
         "cells": len(field.cells),
         "cone_area_mm2": cone_area,
-        "hardest_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
+        "force_limit_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
     }
     tell(result, as_json)
 
@@ -111,8 +113,7 @@ def plan(
         tell({**result, "plan": [_stop(state.field, cell) for cell in stops]}, as_json)
         return
     tell(result, as_json)
-    rows = [(k + 1, *_stop(state.field, cell).values()) for k, cell in enumerate(stops)]
-    tell_table("Stops", ("", *_stop(state.field, 0)), rows)
+    tell_table("Stops", *_stop_table(state.field, stops))
 
 
 def run(
@@ -220,8 +221,8 @@ def first_limit(state: Survey, first: tuple[Event, ...]) -> int:
 
 def in_short(survey: Survey) -> str:
     """Say how a survey stands on one line."""
-    spread = math.sqrt(survey.soil_map.mean_kv) if survey.visited else math.nan
-    return f"KV {spread:.0f}² kPa²  {survey.metres:.0f} m  {survey.minutes:.0f} min"
+    spread = math.sqrt(survey.mean_kv)
+    return f"√KV {spread:.0f} kPa  {survey.metres:.0f} m  {survey.minutes:.0f} min"
 
 
 def summary(survey: Survey) -> dict[str, object]:
@@ -233,8 +234,8 @@ def summary(survey: Survey) -> dict[str, object]:
         "refused": len(survey.refused),
         "metres": survey.metres,
         "minutes": survey.minutes,
-        "mean_kv": survey.soil_map.mean_kv,
-        "std_dev_kpa": math.sqrt(survey.soil_map.mean_kv) if survey.visited else math.nan,
+        "mean_kv": survey.mean_kv,
+        "std_dev_kpa": math.sqrt(survey.mean_kv),
         "planned": len(survey.plan),
         "next": _stop(survey.field, survey.plan[0]) if survey.plan else "none",
         "finished": survey.finished or "no",
@@ -277,10 +278,11 @@ def configured(
     Raises
     ------
     ParameterError
-        If strategy or estimator are unknown, or there are fewer cells than samples.
+        If strategy, estimator or world are unknown, or there are fewer cells than samples.
     """
     strategy_named(strategy)
     estimator_named(estimator)
+    check_world(world)
     if samples > len(field.cells):
         raise ParameterError(
             f"{samples} samples are more than the field's {len(field.cells)} cells",
@@ -301,13 +303,23 @@ def configured(
     )
 
 
-def _stop(field: Field, cell: int) -> dict[str, object]:
+def _stop(field: Field, cell: int) -> dict[str, float]:
     east, north = field.cells[cell].tolist()
-    stop: dict[str, object] = {"cell": cell, "easting_m": east, "northing_m": north}
+    stop: dict[str, float] = {"cell": cell, "easting_m": east, "northing_m": north}
     if field.crs:
         longitude, latitude = field.to_lonlat([(east, north)])[0].tolist()
         stop |= {"longitude": round(longitude, 7), "latitude": round(latitude, 7)}
     return stop
+
+
+def _stop_table(field: Field, cells: Sequence[int]) -> tuple[list[str], list[list[str]]]:
+    """Columns and rows of stops, with degrees to a tenth of a metre."""
+    stops = [_stop(field, cell) for cell in cells]
+    rows = [
+        [str(k + 1), *(f"{v:.6f}" if n in _DEGREES else f"{v:.8g}" for n, v in stop.items())]
+        for k, stop in enumerate(stops)
+    ]
+    return ["stop", *_stop(field, 0)], rows
 
 
 def layers_of(text: str) -> Layers:

@@ -34,11 +34,22 @@ def truth_of(world: str, field: Field, layers: Layers, seed: int) -> Truth:
     ParameterError
         If there is no such world.
     """
+    check_world(world)
+    return WORLDS[world](field, layers, seed)
+
+
+def check_world(world: str) -> None:
+    """Check that there is such a world.
+
+    Raises
+    ------
+    ParameterError
+        If there is none.
+    """
     if world not in WORLDS:
         raise ParameterError(
             f"there is no world {world!r}", where="world", remedy=f"one of {', '.join(WORLDS)}"
         )
-    return WORLDS[world](field, layers, seed)
 
 
 def robot_of(survey: Survey, truth: Truth) -> SimulatedRobot:

@@ -1,0 +1,120 @@
+"""Making a survey and looking into it, as its user would."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from subsoil.cli import run
+from subsoil.strategies import STRATEGIES
+
+Cli = Callable[..., Any]
+
+
+@pytest.fixture
+def survey(cli: Cli, outline: Path, tmp_path: Path) -> Path:
+    """A survey just set up."""
+    path = tmp_path / "survey.gpkg"
+    assert cli("init", path, "--boundary", outline).code == 0
+    return path
+
+
+def test_init_says_what_field_it_is(cli: Cli, outline: Path, tmp_path: Path) -> None:
+    result = cli("init", tmp_path / "s.gpkg", "--boundary", outline, "--cell", 10, "--json").json
+    assert result["area_ha"] == pytest.approx(0.24)
+    assert result["cells"] == 24
+    assert result["force_limit_kpa"] == pytest.approx(600 / 130 * 1000)
+
+
+def test_a_survey_runs_to_its_end_and_says_how_it_stands(cli: Cli, survey: Path) -> None:
+    assert cli("run", survey, "--samples", 6, "--strategy", "area-split", "--seed", 2).code == 0
+    status = cli("status", survey, "--json").json
+    assert status["samples"] == 6
+    assert status["finished"] == "6 samples taken"
+    assert {"refused", "metres", "minutes", "mean_kv", "next"} <= status.keys()
+    assert cli("verify", survey).code == 0
+
+
+def test_status_knows_the_next_stop_before_the_survey_is_over(cli: Cli, survey: Path) -> None:
+    cli("run", survey, "--samples", 6, "--seed", 2)
+    events = cli("verify", survey, "--json").json["events"]
+    past = cli("replay", survey, "--at", events - 5, "--json").json
+    assert past["next"]["cell"] >= 0
+    assert past["samples"] < 6
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_every_strategy_runs_by_name_and_repeats_with_its_seed(
+    cli: Cli, survey: Path, tmp_path: Path, strategy: str
+) -> None:
+    again = Path(shutil.copy(survey, tmp_path / "again.gpkg"))
+    results = []
+    for path in (survey, again):
+        command = ("run", path, "--strategy", strategy, "--samples", 5, "--seed", 9, "--json")
+        results.append(cli(*command).json)
+    assert results[0] == results[1]
+    assert results[0]["samples"] == 5
+
+
+def test_plan_shows_the_stops_that_run_then_makes(cli: Cli, survey: Path) -> None:
+    command = (survey, "--strategy", "area-split", "--samples", 5, "--seed", 4)
+    plan = cli("plan", *command, "--json").json
+    assert len(plan["plan"]) == 5
+    assert cli("status", survey, "--json").json["planned"] == 0
+    ran = cli("run", *command, "--json").json
+    assert ran["metres"] == pytest.approx(plan["metres"])
+
+
+def test_a_survey_stops_at_its_limits(cli: Cli, survey: Path) -> None:
+    result = cli("run", survey, "--samples", 40, "--minutes", 6, "--json").json
+    assert result["finished"] == "6 minutes spent"
+    more = cli("run", survey, "--samples", 40, "--metres", result["metres"] + 10, "--json").json
+    assert more["samples"] > result["samples"]
+    assert "metres driven" in more["finished"]
+
+
+def test_resume_of_a_finished_survey_changes_nothing(cli: Cli, survey: Path) -> None:
+    ran = cli("run", survey, "--samples", 4, "--json").json
+    assert cli("resume", survey, "--json").json == ran
+
+
+def test_a_users_own_strategy_runs_by_module_and_attribute(
+    cli: Cli, survey: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.py").write_text(
+        "from subsoil.strategies import Plan, View\n\n\n"
+        "def westmost(view: View) -> Plan:\n"
+        "    cell = min(c for c in range(len(view.field.cells)) if view.free[c])\n"
+        '    return Plan((cell,), "furthest south-west")\n'
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    result = cli("run", survey, "--strategy", "mine:westmost", "--samples", 3, "--json").json
+    assert result["samples"] == 3
+    assert cli("verify", survey).code == 0
+
+
+def test_the_terminal_shows_units(cli: Cli, survey: Path) -> None:
+    out = cli("run", survey, "--samples", 3).out
+    for unit in ("(m)", "(min)", "(kPa)", "(kPa²)", "(ha)"):
+        assert unit in out
+
+
+def test_doctor_says_what_is_there(cli: Cli) -> None:
+    outcome = cli("doctor", "--json")
+    assert outcome.code == 0
+    assert outcome.json["missing"] == []
+    assert cli("doctor").code == 0
+
+
+def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["--help"]) == 0
+    out = capsys.readouterr().out
+    for verb in (
+        "demo", "init", "plan", "run", "resume", "status", "map", "variogram", "cv", "replay",
+        "verify", "doctor",
+    ):  # fmt: skip
+        assert verb in out
