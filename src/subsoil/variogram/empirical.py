@@ -18,7 +18,6 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.distance import pdist
 
 from subsoil.errors import ParameterError, ReadingsError
 
@@ -216,7 +215,7 @@ def _checked(at: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats]:
 def _pairs(at: Floats, bin_width: float | None, cutoff: float | None) -> _Pairs:
     """Pairs of places nearer than the cut-off."""
     one, other = np.triu_indices(len(at), 1)
-    distance = pdist(at)
+    distance = np.hypot(*(at[one] - at[other]).T)
     if cutoff is None:
         cutoff = CUTOFF_SHARE * float(np.hypot(*np.ptp(at, axis=0))) if len(at) else 0.0
     near = distance < cutoff
