@@ -15,8 +15,9 @@ import numpy as np
 
 from subsoil.errors import MissingExtraError
 from subsoil.layers import LayerState
-from subsoil.plots import survey_figures
+from subsoil.plots.saving import DPI, survey_figures
 from subsoil.plots.semivariance import kriged_with, remark
+from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
 from subsoil.uncertainty import standard_deviation
 from subsoil.variogram import Fit, name_of
@@ -25,16 +26,18 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _TEMPLATE = "report.html.j2"
+_SCREEN_DPI = 96
 _CAPTIONS = {
     "depth_slices": "Kriged mean of every layer, all on one colour scale. The line joins the "
     "samples in the order they were taken.",
     "std_dev": "Kriging standard deviation: how far the soil may be from the mean, if the "
     "variograms are right.",
-    "learning_curves": "What every sample brought.",
+    "learning_curves": "Error and kriging variance after every sample. The variance may rise when "
+    "the variograms are fitted anew.",
     "variograms": "Half the mean squared difference of two samples by their distance, with the "
     "number of pairs in each bin, and the curve fitted to it.",
     "profiles": "Layer means of every sample. An arrow stands where the force limit ended the "
-    "push: the soil resists that or more.",
+    "push: the soil resists that or more. Roots hardly grow beyond 2 MPa.",
 }
 
 
@@ -59,6 +62,16 @@ class Progress:
     minutes: float
     mean_kv: float
     rmse: float
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """A picture of the page: its file, what it shows, itself, and its width on a screen."""
+
+    file: str
+    caption: str
+    source: str
+    width: int
 
 
 @dataclass(frozen=True)
@@ -120,7 +133,7 @@ def write_report(
         headline=dict(_headline(survey, history)),
         layers=_rows(survey, fits),
         notes=tuple(_notes(survey, history, fits)),
-        pictures=[(path.name, _CAPTIONS[path.stem], _inline(path)) for path in pictures],
+        pictures=[_picture(path) for path in pictures],
         finished=survey.finished,
     )
     path = Path(folder) / "report.html"
@@ -131,23 +144,33 @@ def write_report(
 def _headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str, str]]:
     """Names and values of the first table."""
     field, mean_kv = survey.field, survey.soil_map.mean_kv
+    deviation = float(standard_deviation(mean_kv))
     yield "Field", field.name
     yield "Area", f"{field.area_ha:.2f} ha, {len(field.cells)} cells of {field.cell_size:g} m"
-    yield "Frame", field.crs or "local, without a place on Earth"
-    yield "Samples", f"{len(survey.visited)}, and {len(survey.refused)} stops refused"
+    yield "CRS", field.crs or "none: a local frame"
+    yield "Samples", str(len(survey.visited))
+    yield "Stops without a reading", str(len(survey.refused))
     yield "Way driven", f"{survey.metres:.0f} m"
     yield "Time", f"{survey.minutes:.0f} min"
-    yield "Mean kriging variance", f"{mean_kv:.0f} kPa², a standard deviation of {_root(mean_kv)} kPa"
+    yield (
+        "Mean kriging variance",
+        f"{mean_kv:,.0f} kPa², a standard deviation of {deviation:.0f} kPa",
+    )
     if history and math.isfinite(history[-1].rmse):
         last = history[-1]
-        yield "RMSE", f"{last.rmse:.0f} kPa against the simulated truth, {last.samples} samples"
+        after = _count(last.samples, "sample", "samples")
+        yield "RMSE", f"{last.rmse:.0f} kPa against the simulated truth after {after}"
     for settings in survey.settings[-1:]:
         yield "Strategy", settings.strategy
-        yield "Estimator", f"{settings.estimator}, refitted every {settings.refit_every} samples"
+        every = _count(settings.refit_every, "sample", "samples")
+        yield "Estimator", f"{settings.estimator}, fitted anew every {every}"
         yield "Seed", str(settings.seed)
-        yield "Soil", settings.world
+        yield "World", settings.world
     yield "Cone", f"{survey.cone.area_mm2:g} mm², {survey.cone.angle_deg:g}°"
-    yield "State", survey.finished or f"under way, {len(survey.plan)} stops planned"
+    yield (
+        "State",
+        survey.finished or f"under way, {_count(len(survey.plan), 'stop', 'stops')} planned",
+    )
 
 
 def _rows(survey: Survey, fits: Sequence[Fit]) -> tuple[_Row, ...]:
@@ -185,22 +208,25 @@ def _notes(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> 
         "The standard deviation takes the variograms for known. They were estimated from these "
         "samples, so the true uncertainty is larger, most of all with few samples."
     )
+    if len(soil_map.samples) == 1:
+        yield "One sample tells no variance: all variances here follow from an assumed sill."
     if priors := sum(fit.is_prior for fit in fits):
         yield (
-            f"{priors} of {len(fits)} layers have too few samples to fit a variogram: theirs is a "
-            "prior, and so is their standard deviation."
+            f"In {priors} of {_count(len(fits), 'layer', 'layers')} there is too little to fit a "
+            "variogram to: it is a prior, and the standard deviation follows from it."
         )
-    if bounds := sum(np.any(s.state == LayerState.AT_LEAST) for s in soil_map.samples):
+    if bounds := _pushes(soil_map, LayerState.AT_LEAST):
         yield (
-            f"The force limit ended {bounds} pushes inside a layer. Their lower bounds are shown "
-            "but not kriged, so the map is too soft where the soil is hardest."
+            f"The force limit ended {_count(bounds, 'push', 'pushes')} inside a layer. Such lower "
+            "bounds are shown but not kriged: where soil is hardest the map is likely too soft."
         )
-    if short := sum(np.any(s.state == LayerState.UNREACHED) for s in soil_map.samples):
-        yield f"{short} pushes did not reach the deepest layer; deeper layers have fewer samples."
+    if short := _pushes(soil_map, LayerState.UNREACHED):
+        pushes = _count(short, "push", "pushes")
+        yield f"{pushes} did not reach the deepest layer: deeper layers have fewer samples."
     if survey.refused:
         yield (
-            f"{len(survey.refused)} stops gave no reading. They are crosses on the map and are "
-            "not on the line, but their metres and minutes count."
+            f"{_count(len(survey.refused), 'stop', 'stops')} gave no reading: a cross on the map, "
+            "not on the line, though metres and minutes count."
         )
     if history and math.isfinite(history[-1].rmse):
         yield (
@@ -210,12 +236,20 @@ def _notes(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> 
     yield from soil_map.notes
 
 
-def _inline(path: Path) -> str:
-    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
+def _pushes(soil_map: SoilMap, state: LayerState) -> int:
+    """Count the samples with a layer in a state."""
+    return sum(bool((sample.state == state).any()) for sample in soil_map.samples)
 
 
-def _root(mean_kv: float) -> str:
-    return f"{float(standard_deviation(mean_kv)):.0f}"
+def _picture(path: Path) -> _Picture:
+    png = path.read_bytes()
+    pixels = int.from_bytes(png[16:20], "big")
+    source = "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+    return _Picture(path.name, _CAPTIONS[path.stem], source, pixels * _SCREEN_DPI // DPI)
+
+
+def _count(number: int, one: str, several: str) -> str:
+    return f"{number} {one if number == 1 else several}"
 
 
 def _jinja2() -> ModuleType:

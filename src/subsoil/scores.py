@@ -1,8 +1,9 @@
-"""How good a map is: errors, skill against the mean, and leave-one-out."""
+"""How good a map is: errors, skill against the mean, and predicting readings that are left out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,28 +16,40 @@ Floats = NDArray[np.float64]
 
 
 def rmse(estimate: ArrayLike, truth: ArrayLike) -> float:
-    """Root mean square difference, over layers and cells alike (the paper's eq. 6, rooted)."""
+    """Root mean square difference, over layers and cells alike (the paper's eq. 6, rooted).
+
+    NaN if the estimate has a layer or cell without a value.
+
+    Examples
+    --------
+    >>> rmse([[1.0, 2.0], [3.0, 4.0]], [[1.0, 2.0], [3.0, 8.0]])
+    2.0
+    """
     difference = np.asarray(estimate, dtype=float) - np.asarray(truth, dtype=float)
     return float(np.sqrt(np.mean(difference**2)))
 
 
 def skill(squared_error: Floats, squared_error_of_mean: Floats) -> float:
-    """1 - MSE / MSE of the mean: 1 is perfect, 0 no better than the mean, below 0 worse."""
-    return float(1.0 - np.mean(squared_error) / np.mean(squared_error_of_mean))
+    """1 - MSE / MSE of the mean: 1 is perfect, 0 no better than the mean, below 0 worse.
+
+    NaN where the mean makes no error, that is where readings do not vary.
+    """
+    reference = float(np.mean(squared_error_of_mean))
+    return 1.0 - float(np.mean(squared_error)) / reference if reference > 0 else nan
 
 
 @dataclass(frozen=True)
 class LeaveOneOut:
-    """Each reading predicted from all others under the same variogram.
+    """Readings predicted from others under the same variogram, without being among them.
 
     Attributes
     ----------
     residual
         (m, n) reading minus prediction, in units of z.
     variance
-        (m, n) variance the model gives that residual.
+        (m, n) variance that the model gives the residual, noise of the reading included.
     mean_residual
-        (m, n) reading minus the mean of all others: what kriging has to beat.
+        (m, n) reading minus the mean of the others: what kriging has to beat.
     """
 
     residual: Floats
@@ -51,9 +64,9 @@ class LeaveOneOut:
 
     @property
     def skill(self) -> Floats:
-        """(m,) skill of each layer against the mean of the other readings."""
+        """(m,) skill of each layer against the mean of the others; see :func:`skill`."""
         pairs = zip(self.residual, self.mean_residual, strict=True)
-        return np.array([skill(r**2, r0**2) for r, r0 in pairs])
+        return np.array([skill(kriged**2, mean**2) for kriged, mean in pairs])
 
     @property
     def calibration(self) -> Floats:
@@ -65,7 +78,14 @@ class LeaveOneOut:
 def leave_one_out(ok: OrdinaryKriging) -> LeaveOneOut:
     """Leave-one-out residuals and variances in closed form (Dubrule 1983, Math. Geol. 15, 687).
 
-    With B = K^-1 - K^-1 1 1' K^-1 / (1' K^-1 1): residual = (B z)_i / B_ii, variance = 1 / B_ii.
+    With K the covariance of the readings, noise included, and
+    B = K^-1 - K^-1 1 1' K^-1 / (1' K^-1 1): residual = (B z)_i / B_ii, variance = 1 / B_ii.
+    Readings at one place were averaged, and are left out together.
+
+    Parameters
+    ----------
+    ok
+        Readings conditioned on; its variograms are held.
 
     Raises
     ------
@@ -82,15 +102,13 @@ def leave_one_out(ok: OrdinaryKriging) -> LeaveOneOut:
     diagonal = np.einsum("gii->gi", b)
     bz = np.matmul(b, ok.z[:, :, None])[:, :, 0]
     residual = bz / diagonal
-    return LeaveOneOut(
-        residual,
-        np.broadcast_to(1.0 / diagonal, residual.shape),
-        (ok.z - ok.z.mean(axis=1, keepdims=True)) * n / (n - 1),
-    )
+    variance = np.broadcast_to(1.0 / diagonal, residual.shape)
+    mean_residual = (ok.z - ok.z.mean(axis=1, keepdims=True)) * n / (n - 1)
+    return LeaveOneOut(residual, variance, mean_residual)
 
 
 def block_out(variogram: Variogram, at: Floats, z: Floats, block_m: float) -> LeaveOneOut:
-    """Predict the readings of each square block from those of all others.
+    """Predict the readings of each square block from those of all other blocks.
 
     Harder than leave-one-out, and closer to how well places without a reading nearby are mapped
     (Roberts et al. 2017, Ecography 40, 913).
@@ -98,30 +116,33 @@ def block_out(variogram: Variogram, at: Floats, z: Floats, block_m: float) -> Le
     Parameters
     ----------
     variogram
-        Model of the readings.
+        Model of the readings; it is held.
     at
         (n, 2) places in m.
     z
         (n,) values.
     block_m
-        Side of a block in m.
+        Side of a block in m. Blocks begin at multiples of it.
+
+    Returns
+    -------
+    LeaveOneOut
+        Arrays are (1, n).
 
     Raises
     ------
     ReadingsError
         If all readings lie in one block.
     """
-    corner = np.floor(at / block_m).astype(np.int64)
-    _, block = np.unique(corner, axis=0, return_inverse=True)
+    _, block = np.unique(np.floor(at / block_m), axis=0, return_inverse=True)
     block = block.ravel()
-    if block.max() == 0:
+    if not block.any():
         raise ReadingsError(
             f"all readings lie in one block of {block_m:g} m", remedy="use smaller blocks"
         )
-    mean, variance, others = np.empty((3, 1, len(z)))
+    mean, variance, mean_of_others = np.empty((3, 1, len(z)))
     for k in range(block.max() + 1):
         out = block == k
-        ok = condition(variogram, at[~out], z[~out])
-        mean[0, out], variance[0, out] = ok.predict(at[out])
-        others[0, out] = z[~out].mean()
-    return LeaveOneOut(z - mean, variance + variogram.nugget, z - others)
+        mean[0, out], variance[0, out] = condition(variogram, at[~out], z[~out]).predict(at[out])
+        mean_of_others[0, out] = z[~out].mean()
+    return LeaveOneOut(z - mean, variance + variogram.nugget, z - mean_of_others)

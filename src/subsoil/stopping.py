@@ -41,12 +41,13 @@ class Limits:
     metres, minutes
         Way in m and time in min.
     mean_kv
-        Mean kriging variance in kPa2 at or below which the map is good enough.
+        Mean kriging variance in kPa2 at or below which the map is good enough. It does not depend
+        on how well the variograms fit the soil: a target, not a promise.
 
     Raises
     ------
     ParameterError
-        If a limit is not positive.
+        If a limit is not positive, or the target for the variance is negative.
 
     Examples
     --------
@@ -60,13 +61,10 @@ class Limits:
     mean_kv: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, value in (("samples", self.samples), ("metres", self.metres)):
+        for name in ("samples", "metres", "minutes"):
+            value = getattr(self, name)
             if not value > 0:
                 raise ParameterError(f"must be greater than zero, not {value:g}", where=name)
-        if not self.minutes > 0:
-            raise ParameterError(
-                f"must be greater than zero, not {self.minutes:g}", where="minutes"
-            )
         if isnan(self.mean_kv) or self.mean_kv < 0:
             raise ParameterError(f"must be zero or more, not {self.mean_kv:g}", where="KV target")
 

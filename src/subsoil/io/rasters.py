@@ -21,7 +21,7 @@ from subsoil.soilmap import SoilMap
 from subsoil.uncertainty import standard_deviation
 
 if TYPE_CHECKING:
-    import xarray
+    from xarray import Dataset
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ _VARIABLES = {
 }
 
 
-def to_dataset(soil_map: SoilMap, field: Field) -> xarray.Dataset:
+def to_dataset(soil_map: SoilMap, field: Field) -> Dataset:
     """Soil map as a data set after the CF conventions, rows from south to north.
 
     Parameters
@@ -94,7 +94,7 @@ def to_dataset(soil_map: SoilMap, field: Field) -> xarray.Dataset:
         name: (dims, field.grid.image(values[name]), {"units": unit, "long_name": words, **frame})
         for name, (unit, words) in _VARIABLES.items()
     }
-    coordinates = {
+    coordinates: dict[str, tuple[object, ...]] = {
         "layer": ("layer", list(soil_map.layers.names), {"long_name": "depth layer"}),
         "easting": ("easting", field.grid.easting, {**_AXES["easting"], "units": "m"}),
         "northing": ("northing", field.grid.northing, {**_AXES["northing"], "units": "m"}),
@@ -105,7 +105,7 @@ def to_dataset(soil_map: SoilMap, field: Field) -> xarray.Dataset:
     if field.crs:
         coordinates["crs"] = ((), 0, named_crs(field.crs, field.name).to_cf())
     about = {"Conventions": "CF-1.11", "title": field.name, "samples": len(soil_map.samples)}
-    dataset: xarray.Dataset = xarray.Dataset(variables, coordinates, about)
+    dataset: Dataset = xarray.Dataset(variables, coordinates, about)
     return dataset
 
 

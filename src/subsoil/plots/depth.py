@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+_ARROW = [(0.0, 0.0), (1.0, 0.0), (0.7, 0.2), (1.0, 0.0), (0.7, -0.2), (1.0, 0.0)]
 ROOT_LIMIT_KPA = 2000.0
 """Resistance at which roots hardly grow any more (Taylor & Gardner 1963; Bengough 2011)."""
 
@@ -60,7 +61,9 @@ def profiles(soil_map: SoilMap, *, caption: str = "") -> Figure:
     _draw_mean(axes, measured, depth)
     axes.axvline(ROOT_LIMIT_KPA, color=WARM, linestyle="--", linewidth=1.2, label="2 MPa")
     _label(axes, np.array(soil_map.layers.edges_m), values)
-    axes.legend(fontsize=SMALL, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, frameon=False)
+    axes.legend(
+        fontsize=SMALL, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, frameon=False
+    )
     return figure
 
 
@@ -69,9 +72,9 @@ def _draw_bounds(axes: Axes, values: Floats, bound: NDArray[np.bool_], depth: Fl
     if not bound.any():
         return
     layer, sample = np.nonzero(bound)
-    axes.errorbar(
-        values[layer, sample], depth[layer], xerr=0.035 * np.nanmax(values), xlolims=True,
-        fmt="none", ecolor=INK, elinewidth=0.9, capsize=2.5, label="at least (force limit)",
+    axes.plot(
+        values[layer, sample], depth[layer], linestyle="none", marker=_ARROW, markersize=16,
+        fillstyle="none", color=INK, markeredgewidth=0.9, label="at least (force limit)",
     )  # fmt: skip
 
 

@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 
 _MARGIN = 0.04
 _CROWDED = 60
+SCALE_WIDTH = 2.2
+"""Room in inches for scale bar and north arrow."""
+
 _LOOKS = {
     LayerState.MEASURED: ("sample", "o", "white"),
     LayerState.AT_LEAST: ("at least (force limit)", "^", "white"),
@@ -69,14 +72,14 @@ def draw_samples(axes: Axes, at: Floats, states: NDArray[np.int8]) -> None:
         chosen = at[states == state]
         if len(chosen):
             axes.scatter(
-                *chosen.T, s=size, marker=marker, facecolor=face, edgecolor="black",
+                chosen[:, 0], chosen[:, 1], s=size, marker=marker, facecolor=face, edgecolor="black",
                 linewidth=0.6, label=name, zorder=5,
             )  # fmt: skip
 
 
 def draw_way(axes: Axes, way: Floats) -> None:
     """White line along (k, 2) places in m, edged to be seen on every colour, from a square."""
-    axes.plot(*way.T, color="black", alpha=0.45, linewidth=2.0, zorder=3)
+    axes.plot(*way.T, color="#555555", linewidth=2.0, label="way between samples", zorder=3)
     axes.plot(*way.T, color="white", linewidth=1.1, zorder=4)
     axes.plot(
         *way[:1].T, "s", color="white", markeredgecolor="black", markersize=4.5,
@@ -97,17 +100,18 @@ def draw_scale(figure: Figure, sheet: Sheet, field: Field) -> None:
     west, _, east, _ = frame(field)
     inch = (east - west) / sheet.width
     metres = round_length(1.3 * inch)
-    foot = place(figure, sheet.corner, 0.0, 2.2, sheet.bottom)
-    foot.set_xlim(0, 2.2)
+    foot = place(figure, sheet.corner, 0.0, SCALE_WIDTH, sheet.bottom)
+    foot.set_xlim(0, SCALE_WIDTH)
     foot.set_ylim(0, sheet.bottom)
     foot.set_axis_off()
     long, middle = metres / inch, sheet.bottom / 2
     foot.plot([0.05, 0.05 + long], [middle - 0.08] * 2, color=INK, linewidth=2.5, gid="scale bar")
     foot.text(0.05 + long / 2, middle, f"{metres:g} m", size=SMALL, ha="center", va="bottom")
     foot.annotate(
-        "N", (long + 0.35, middle + 0.22), (long + 0.35, middle - 0.16), size=SMALL,
-        ha="center", va="center", arrowprops={"arrowstyle": "-|>", "color": INK},
+        "", (long + 0.35, middle + 0.14), (long + 0.35, middle - 0.2),
+        arrowprops={"arrowstyle": "-|>", "color": INK},
     )  # fmt: skip
+    foot.text(long + 0.35, middle + 0.14, "N", size=SMALL, ha="center", va="bottom")
 
 
 def round_length(metres: float) -> float:

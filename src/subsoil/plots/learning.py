@@ -20,14 +20,15 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 _MOST_TICKS = 7
+_THOUSAND = 1000.0
 
 
 def learning_curves(history: Sequence[Progress], *, caption: str = "") -> Figure:
     """Error and kriging variance against samples, with metres and minutes under the samples.
 
     The error is drawn where there is a truth, beside the root of the mean kriging variance: the
-    error that the map itself expects. Of several entries for one number of samples the last
-    counts.
+    error that the map itself expects. One sample alone has no variance but an assumed one, which
+    is not drawn. Of several entries for one number of samples the last counts.
 
     Parameters
     ----------
@@ -50,9 +51,9 @@ def learning_curves(history: Sequence[Progress], *, caption: str = "") -> Figure
     last = {now.samples: now for now in history}
     entries = [last[samples] for samples in sorted(last)]
     rmse = np.array([now.rmse for now in entries])
-    kv = np.array([now.mean_kv for now in entries])
+    kv = np.array([now.mean_kv if now.samples > 1 else np.nan for now in entries])
     known = bool(np.isfinite(rmse).any())
-    layout = Sheet(1 + known, 1 + known, 4.4, 2.7, 0.3, 0.75, 0.85, 0.25, 0.75, 0.95)
+    layout = Sheet(1 + known, 1 + known, 4.4, 2.7, 0.3, 1.0, 0.85, 0.25, 0.65, 0.75)
     figure = blank(layout.size, "What every sample brought", caption)
     samples = np.array([now.samples for now in entries], dtype=float)
     if known:
@@ -60,16 +61,30 @@ def learning_curves(history: Sequence[Progress], *, caption: str = "") -> Figure
         head(axes, "Error of the map, all layers")
         _curve(axes, samples, rmse, WARM, "against the simulated truth (RMSE)", "o-")
         _curve(axes, samples, np.sqrt(kv), COLD, "as the map expects it (root mean KV)", "s--")
-        axes.legend(fontsize=SMALL, frameon=False)
-        _label(axes, entries, "kPa")
+        axes.legend(fontsize=SMALL, frameon=False, loc="best")
+        _label(axes, entries, "error (kPa)")
     axes = layout.panel(figure, int(known))
     head(axes, "Kriging variance, mean over cells and layers")
-    _curve(axes, samples, kv, COLD, "mean KV", "s-")
-    _label(axes, entries, "mean KV (kPa²)")
+    _curve(axes, samples, kv / _THOUSAND, COLD, "mean KV", "s-")
+    _label(axes, entries, "mean KV (10³ kPa²)")
+    if not np.isfinite(kv).any():
+        axes.set_yticks([])
+        axes.text(
+            0.5,
+            0.5,
+            "one sample alone\ntells no variance",
+            transform=axes.transAxes,
+            size=SMALL,
+            color=FAINT,
+            ha="center",
+            va="center",
+        )
     return figure
 
 
 def _curve(axes: Axes, x: Floats, y: Floats, colour: str, name: str, look: str) -> None:
+    if not np.isfinite(y).any():
+        return
     axes.plot(x, y, look, color=colour, label=name, linewidth=1.4, markersize=3)
 
 
@@ -82,11 +97,11 @@ def _label(axes: Axes, entries: Sequence[Progress], unit: str) -> None:
         [f"{now.samples}\n{now.metres:.0f}\n{now.minutes:.0f}" for now in ticks],
     )
     axes.annotate(
-        "samples\nm driven\nmin", (0, 0), xytext=(-14, -4.5), xycoords="axes fraction",
+        "samples\nm driven\nmin", (0, 0), xytext=(-14, -7), xycoords="axes fraction",
         textcoords="offset points", size=SMALL, color=FAINT, ha="right", va="top",
     )  # fmt: skip
     first, last = entries[0].samples, entries[-1].samples
-    axes.set_xlim(min(first, last - 1) - 0.5, last + 0.5)
+    axes.set_xlim(first - 0.5, last + 0.5)
     axes.set_ylim(bottom=0)
     axes.set_ylabel(unit, size=TEXT)
     axes.grid(color="#e5e5e5", linewidth=0.6)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from subsoil.errors import ReadingsError
 from subsoil.field import Field
 from subsoil.plots.land import (
+    SCALE_WIDTH,
     draw_land,
     draw_refusals,
     draw_samples,
@@ -24,11 +25,15 @@ from subsoil.soilmap import SoilMap
 from subsoil.uncertainty import standard_deviation
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.image import AxesImage
 
 Floats = NDArray[np.float64]
+
+_MARK_WIDTH = 1.3
+"""Room in inches for a mark and its name in a legend."""
 
 
 @dataclass(frozen=True)
@@ -111,8 +116,8 @@ def std_dev(soil_map: SoilMap, field: Field, *, caption: str = "") -> Figure:
         soil_map,
         field,
         standard_deviation(soil_map.variance),
-        ("magma", "kriging standard deviation (kPa)"),
-        (f"How uncertain the map is, {field.name}", caption),
+        ("magma", "standard deviation (kPa)"),
+        (f"Kriging standard deviation by depth, {field.name}", caption),
     )
     _legend(figure, panels)
     return figure
@@ -135,9 +140,7 @@ def _maps(
     figure = blank(layout.size, *words)
     states = np.array([sample.state for sample in soil_map.samples], dtype=np.int8).T
     panels = [layout.panel(figure, k) for k in range(len(values))]
-    for axes, name, layer, state in zip(
-        panels, soil_map.layers.names, values, states, strict=True
-    ):
+    for axes, name, layer, state in zip(panels, soil_map.layers.names, values, states, strict=True):
         head(axes, name)
         draw_land(axes, field)
         image = _draw_cells(axes, field, layer, scale)
@@ -164,7 +167,8 @@ def _draw_cells(axes: Axes, field: Field, values: Floats, scale: _Scale) -> Axes
     if not np.isfinite(values).any():
         axes.text(
             0.5, 0.5, "no sample measured\nthis layer", transform=axes.transAxes,
-            ha="center", va="center", size=SMALL, color=FAINT,
+            ha="center", va="center", size=SMALL, color=FAINT, zorder=7,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85},
         )  # fmt: skip
     limits = axes.get_xlim(), axes.get_ylim()
     image = axes.imshow(
@@ -184,20 +188,21 @@ def _colour_bar(figure: Figure, layout: Sheet, image: AxesImage, label: str) -> 
     bar = figure.colorbar(image, cax=axes)
     bar.set_label(label, size=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
-    bar.outline.set_linewidth(0.5)  # type: ignore[operator]
+    bar.outline.set_linewidth(0.5)
 
 
 def _legend(figure: Figure, panels: list[Axes]) -> None:
     """One legend at the foot for the marks of all panels."""
-    marks: dict[str, object] = {}
+    marks: dict[str, Artist] = {}
     for axes in panels:
         handles, names = axes.get_legend_handles_labels()
         marks.update(zip(names, handles, strict=True))
     width, height = figure.get_size_inches()
+    columns = int((width - SCALE_WIDTH) / _MARK_WIDTH)
     figure.legend(
-        list(marks.values()), list(marks), loc="center right", ncols=len(marks),
+        list(marks.values()), list(marks), loc="center right", ncols=min(columns, len(marks)),
         bbox_to_anchor=(1 - 0.15 / width, 0.34 / height), fontsize=SMALL, frameon=False,
-        handletextpad=0.3, columnspacing=1.2,
+        handletextpad=0.5, columnspacing=1.4, handlelength=1.6,
     )  # fmt: skip
 
 

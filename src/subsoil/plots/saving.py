@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from subsoil.report import Progress
 
-_DPI = 150
+DPI = 150
 
 
 def readings_figures(
@@ -116,7 +116,7 @@ def way(survey: Survey) -> NDArray[np.float64]:
 def _save(figures: dict[str, Figure], folder: Path) -> tuple[Path, ...]:
     paths = {name: Path(folder) / f"{name}.png" for name in figures}
     for name, figure in figures.items():
-        figure.savefig(paths[name], dpi=_DPI)
+        figure.savefig(paths[name], dpi=DPI)
     return tuple(paths.values())
 
 

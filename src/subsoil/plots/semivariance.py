@@ -50,14 +50,15 @@ def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> 
             where="variograms",
             remedy="give one a layer",
         )
-    layout = sheet(
-        len(fits), 1.3, strip=0.62, across=0.42, left=0.65, right=0.2, top=0.65, bottom=0.5
-    )
-    figure = blank(layout.size, "Variograms, layer by layer", caption)
+    layout = sheet(len(fits), 1.3, strip=0.8, across=0.52, left=0.65, right=0.2, bottom=0.5)
+    legend = "small numbers: pairs of samples in each bin"
+    figure = blank(layout.size, "Variograms", "; ".join(filter(None, (caption, legend))))
     reach = _reach(fits)
     for k, (name, fit, used) in enumerate(zip(names, fits, kriged_with(soil_map), strict=True)):
         axes = layout.panel(figure, k)
-        head(axes, name, remark(fit, used))
+        head(axes, f"{name}, {name_of(fit.variogram)}", lift=24)
+        _write(axes, parameters(fit.variogram), COLD, up=15)
+        _write(axes, remark(fit, used), WARM, up=4)
         _draw(axes, fit, used, reach)
         if k % layout.columns == 0:
             axes.set_ylabel("semivariance (10³ kPa²)", size=TEXT)
@@ -77,6 +78,12 @@ def kriged_with(soil_map: SoilMap) -> tuple[Variogram, ...]:
         for k, layer in enumerate(stack.layers):
             used[layer] = models[k % len(models)]
     return tuple(used)
+
+
+def parameters(model: Bounded) -> str:
+    """Nugget and sill in 1000 kPa2 and the range, in a few words."""
+    nugget, sill = model.nugget / _THOUSAND, model.sill / _THOUSAND
+    return f"nugget {nugget:.3g}, sill {sill:.3g}, range {model.range:.0f} m"
 
 
 def remark(fit: Fit, used: Variogram) -> str:
@@ -100,18 +107,28 @@ def _reach(fits: Sequence[Fit]) -> float:
 def _draw(axes: Axes, fit: Fit, used: Variogram, reach: float) -> None:
     bins, model = fit.empirical, fit.variogram
     lag = np.linspace(0.0, reach, 300)[1:]
-    axes.plot(lag, semivariance(model, lag) / _THOUSAND, color=COLD, label=_parameters(model))
+    axes.plot(lag, semivariance(model, lag) / _THOUSAND, color=COLD, label="fitted")
     if type(used) is not type(model) and isinstance(used, Bounded):
-        curve = semivariance(used, lag) / _THOUSAND
-        axes.plot(lag, curve, "--", color=WARM, label=f"kriged: {name_of(used)}, {used.range:.0f} m")
+        axes.plot(lag, semivariance(used, lag) / _THOUSAND, "--", color=WARM, label="kriged")
     if bins.lag.size:
         size = 8.0 + 50.0 * bins.pairs / bins.pairs.max()
-        axes.scatter(bins.lag, bins.semivariance / _THOUSAND, s=size, color=INK, alpha=0.7)
+        axes.scatter(
+            bins.lag, bins.semivariance / _THOUSAND, s=size, color=INK, alpha=0.7, clip_on=False
+        )
     top = max(model.sill, bins.semivariance.max(initial=0.0)) / _THOUSAND
     axes.set(xlim=(0, reach), ylim=(0, 1.22 * top))
     _count_pairs(axes, bins.lag, bins.pairs)
-    axes.legend(fontsize=6.5, loc="lower right", handlelength=1.2, framealpha=0.8, edgecolor="none")
+    axes.locator_params(axis="y", nbins=5)
+    axes.yaxis.set_major_formatter("{x:g}")
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def _write(axes: Axes, words: str, colour: str, *, up: float) -> None:
+    """Write words above a panel, some points up."""
+    axes.annotate(
+        words, (0, 1), xytext=(0, up), xycoords="axes fraction", textcoords="offset points",
+        size=SMALL, color=colour,
+    )  # fmt: skip
 
 
 def _count_pairs(axes: Axes, lag: Floats, pairs: NDArray[np.int64]) -> None:
@@ -121,10 +138,3 @@ def _count_pairs(axes: Axes, lag: Floats, pairs: NDArray[np.int64]) -> None:
             x, 0.99, str(number), size=6, color=FAINT, ha="center", va="top",
             transform=axes.get_xaxis_transform(), gid="pairs",
         )  # fmt: skip
-
-
-def _parameters(model: Bounded) -> str:
-    return (
-        f"{name_of(model)}\nnugget {model.nugget / _THOUSAND:.3g}\n"
-        f"sill {model.sill / _THOUSAND:.3g}\nrange {model.range:.0f} m"
-    )

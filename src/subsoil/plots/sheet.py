@@ -98,7 +98,7 @@ def sheet(
     across: float,
     left: float,
     right: float,
-    top: float = 0.75,
+    top: float = 0.65,
     bottom: float,
 ) -> Sheet:
     """Sheet for panels of an aspect (width over height), as many in a row as looks best."""
@@ -156,10 +156,6 @@ def place(figure: Figure, left: float, bottom: float, width: float, height: floa
     return figure.add_axes((left / wide, bottom / high, width / wide, height / high))
 
 
-def head(axes: Axes, name: str, remark: str = "") -> None:
-    """Write a panel's name above it, and a remark between the two."""
-    axes.set_title(name, size=TEXT, color=INK, loc="left", pad=16 if remark else 4)
-    axes.annotate(
-        remark, (0, 1), xytext=(0, 4), xycoords="axes fraction", textcoords="offset points",
-        size=SMALL, color=WARM,
-    )  # fmt: skip
+def head(axes: Axes, name: str, *, lift: float = 0.0) -> None:
+    """Write a panel's name above it, lifted by some points."""
+    axes.set_title(name, size=TEXT, color=INK, loc="left", y=1.0, pad=4.0 + lift)

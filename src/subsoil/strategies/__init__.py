@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import partial
 from importlib import import_module
-from inspect import signature
+from inspect import Parameter, signature
 from typing import Any, cast
 
 from subsoil.errors import ParameterError
@@ -68,7 +68,7 @@ def _imported(name: str) -> Strategy:
 
 
 def _with_settings(name: str, strategy: Strategy, settings: dict[str, float | str]) -> Strategy:
-    known = list(signature(strategy).parameters)[1:]
+    known = dict(list(signature(strategy).parameters.items())[1:])
     for key in settings:
         if key not in known:
             raise ParameterError(
@@ -76,7 +76,34 @@ def _with_settings(name: str, strategy: Strategy, settings: dict[str, float | st
                 where="strategy",
                 remedy=f"it has {', '.join(known) or 'none'}",
             )
-    return cast(Strategy, partial(strategy, **cast(dict[str, Any], settings)))
+    values: dict[str, Any] = {key: _suiting(known[key], value) for key, value in settings.items()}
+    return cast(Strategy, partial(strategy, **values))
+
+
+def _suiting(parameter: Parameter, value: float | str) -> float | str:
+    """Value of the kind of a parameter's default: settings keep whole numbers as floats.
+
+    Raises
+    ------
+    ParameterError
+        If it is of another kind.
+    """
+    match default := parameter.default:
+        case str():
+            suits = isinstance(value, str)
+        case int():
+            suits = not isinstance(value, str) and float(value).is_integer()
+        case float():
+            suits = not isinstance(value, str)
+        case _:
+            suits = True
+    if not suits:
+        raise ParameterError(
+            f"{parameter.name} cannot be {value!r}",
+            where="strategy",
+            remedy=f"use something like {default!r}",
+        )
+    return int(value) if isinstance(default, int) else value
 
 
 __all__ = ["STRATEGIES", "Plan", "Strategy", "View", "strategy_named"]

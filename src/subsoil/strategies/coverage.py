@@ -91,9 +91,7 @@ def area_split(view: View, *, rounds: int = 60) -> Plan:
     return _toured(view, cells, f"centres of {view.remaining} areas of about equal size")
 
 
-def areas(
-    field: Field, k: int, rounds: int, rng: np.random.Generator
-) -> tuple[Integers, Floats]:
+def areas(field: Field, k: int, rounds: int, rng: np.random.Generator) -> tuple[Integers, Floats]:
     """Split a field into k compact areas of about equal size.
 
     Lloyd's k-means on the cells, from k of them drawn at random, with distances offset by what an

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Protocol
 
 import numpy as np
@@ -50,7 +51,7 @@ class View:
 
     @property
     def remaining(self) -> int:
-        """Samples still to take, at most as many as there are free cells."""
+        """Samples still to take, at most as many as cells are left for them."""
         return min(self.budget - len(self.visited), int(self.free.sum()) + len(self.plan))
 
     @property
@@ -59,6 +60,11 @@ class View:
         mask = np.ones(len(self.field.cells), dtype=bool)
         mask[[*self.visited, *self.refused, *self.plan]] = False
         return mask
+
+    @property
+    def informed(self) -> bool:
+        """Whether the map has a KV: some sample reached some layer that counts."""
+        return isfinite(self.soil_map.mean_kv)
 
 
 @dataclass(frozen=True)
