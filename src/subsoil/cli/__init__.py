@@ -2,7 +2,8 @@
 
 Exit codes: 0 all is well, 1 there are findings, 2 something given is wrong, 3 the survey cannot go
 on. Anything subsoil knows to be wrong is one line on standard error; ``--json`` puts the result,
-and nothing else, on standard output.
+and nothing else, on standard output. Linear algebra runs on one thread: a survey's systems are small,
+and its results must not depend on how many cores a machine has.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import sys
 
 import typer
+from threadpoolctl import threadpool_limits
 
 from subsoil.cli import analysing, demonstrating, diagnosing, surveying
 from subsoil.errors import SubsoilError
@@ -42,7 +44,8 @@ def main() -> None:
 def run(arguments: list[str]) -> int:
     """Run the command line; returns the exit code."""
     try:
-        code = app(arguments, standalone_mode=False)
+        with threadpool_limits(1, user_api="blas"):
+            code = app(arguments, standalone_mode=False)
     except SubsoilError as error:
         return _say(str(error), error.exit_code)
     except typer.TyperException as error:

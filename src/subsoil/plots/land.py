@@ -72,8 +72,8 @@ def draw_samples(axes: Axes, at: Floats, states: NDArray[np.int8]) -> None:
         chosen = at[states == state]
         if len(chosen):
             axes.scatter(
-                chosen[:, 0], chosen[:, 1], s=size, marker=marker, facecolor=face, edgecolor="black",
-                linewidth=0.6, label=name, zorder=5,
+                chosen[:, 0], chosen[:, 1], s=size, marker=marker, facecolor=face,
+                edgecolor="black", linewidth=0.6, label=name, zorder=5,
             )  # fmt: skip
 
 

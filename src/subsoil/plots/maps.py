@@ -76,13 +76,9 @@ def depth_slices(
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure, panels = _maps(
-        soil_map,
-        field,
-        soil_map.mean,
-        ("viridis", "kriged mean (kPa)"),
-        (f"Penetration resistance by depth, {field.name}", caption),
-    )
+    scale = _scale("viridis", soil_map.mean, "kriged mean (kPa)", field)
+    title = f"Penetration resistance by depth, {field.name}"
+    figure, panels = _maps(soil_map, field, soil_map.mean, scale, title, caption)
     line, crosses = _places(way), _places(refused)
     for axes in panels:
         if len(line):
@@ -112,32 +108,24 @@ def std_dev(soil_map: SoilMap, field: Field, *, caption: str = "") -> Figure:
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure, panels = _maps(
-        soil_map,
-        field,
-        standard_deviation(soil_map.variance),
-        ("magma", "standard deviation (kPa)"),
-        (f"Kriging standard deviation by depth, {field.name}", caption),
-    )
+    values = standard_deviation(soil_map.variance)
+    scale = _scale("magma", values, "standard deviation (kPa)", field)
+    title = f"Kriging standard deviation by depth, {field.name}"
+    figure, panels = _maps(soil_map, field, values, scale, title, caption)
     _legend(figure, panels)
     return figure
 
 
 def _maps(
-    soil_map: SoilMap,
-    field: Field,
-    values: Floats,
-    colours: tuple[str, str],
-    words: tuple[str, str],
+    soil_map: SoilMap, field: Field, values: Floats, scale: _Scale, title: str, caption: str
 ) -> tuple[Figure, list[Axes]]:
     """Figure with a panel a layer of (m, N) values, and its panels."""
-    scale = _Scale(colours[0], *_limits(values, field.name), colours[1])
     west, south, east, north = frame(field)
     layout = sheet(
         len(values), (east - west) / (north - south),
         strip=0.24, across=0.12, left=0.2, right=1.05, bottom=0.75,
     )  # fmt: skip
-    figure = blank(layout.size, *words)
+    figure = blank(layout.size, title, caption)
     states = np.array([sample.state for sample in soil_map.samples], dtype=np.int8).T
     panels = [layout.panel(figure, k) for k in range(len(values))]
     for axes, name, layer, state in zip(panels, soil_map.layers.names, values, states, strict=True):
@@ -150,17 +138,19 @@ def _maps(
     return figure, panels
 
 
-def _limits(values: Floats, name: str) -> tuple[float, float]:
-    """Least and greatest value, or half a kPa around it if they are the same."""
+def _scale(cmap: str, values: Floats, label: str, field: Field) -> _Scale:
+    """Scale from the least value to the greatest, or half a kPa around it if they are the same."""
     known = values[np.isfinite(values)]
     if not known.size:
         raise ReadingsError(
             "there is nothing to draw: no sample has measured a layer yet",
-            where=name,
+            where=field.name,
             remedy="take samples first",
         )
     low, high = float(known.min()), float(known.max())
-    return (low, high) if high > low else (low - 0.5, high + 0.5)
+    if low == high:
+        low, high = low - 0.5, high + 0.5
+    return _Scale(cmap, low, high, label)
 
 
 def _draw_cells(axes: Axes, field: Field, values: Floats, scale: _Scale) -> AxesImage:
