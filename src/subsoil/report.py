@@ -15,7 +15,7 @@ import numpy as np
 
 from subsoil.errors import MissingExtraError
 from subsoil.layers import LayerState
-from subsoil.plots.saving import DPI, survey_figures
+from subsoil.plots.album import DPI, survey_figures
 from subsoil.plots.semivariance import kriged_with, remark
 from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
@@ -65,8 +65,20 @@ class Progress:
 
 
 @dataclass(frozen=True)
-class _Picture:
-    """A picture of the page: its file, what it shows, itself, and its width on a screen."""
+class Picture:
+    """A picture of the page.
+
+    Attributes
+    ----------
+    file
+        Name of its file.
+    caption
+        What it shows.
+    source
+        The picture itself, as a ``data:`` address.
+    width
+        Its width on a screen in pixels.
+    """
 
     file: str
     caption: str
@@ -79,11 +91,9 @@ class _Row:
     """A layer in the table of layers, as text."""
 
     name: str
-    samples: str
-    mean: str
-    spread: str
-    std_dev: str
-    variogram: str
+    numbers: tuple[str, ...]
+    model: str
+    parameters: tuple[str, ...]
     why: str
     remark: str
 
@@ -122,29 +132,54 @@ def write_report(
     MissingExtraError
         If matplotlib or jinja2 is not installed.
     """
+    paths = survey_figures(survey, history, fits, folder)
+    text = page(survey, history, fits, [_picture(path) for path in paths], title=title)
+    path = Path(folder) / "report.html"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def page(
+    survey: Survey,
+    history: Sequence[Progress],
+    fits: Sequence[Fit],
+    pictures: Sequence[Picture],
+    *,
+    title: str = "",
+) -> str:
+    """Return the HTML of a report.
+
+    Parameters
+    ----------
+    survey, history, fits, title
+        As in :func:`write_report`.
+    pictures
+        What to show, in order.
+
+    Raises
+    ------
+    MissingExtraError
+        If jinja2 is not installed.
+    """
     jinja2 = _jinja2()
-    pictures = survey_figures(survey, history, fits, folder)
     environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        autoescape=False, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     source = resources.files("subsoil").joinpath(_TEMPLATE).read_text(encoding="utf-8")
-    page = environment.from_string(source).render(
+    text: str = environment.from_string(source).render(
         title=title or survey.name,
         headline=dict(_headline(survey, history)),
         layers=_rows(survey, fits),
         notes=tuple(_notes(survey, history, fits)),
-        pictures=[_picture(path) for path in pictures],
+        pictures=pictures,
         finished=survey.finished,
     )
-    path = Path(folder) / "report.html"
-    path.write_text(page, encoding="utf-8")
-    return path
+    return text
 
 
 def _headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str, str]]:
     """Names and values of the first table."""
-    field, mean_kv = survey.field, survey.soil_map.mean_kv
-    deviation = float(standard_deviation(mean_kv))
+    field = survey.field
     yield "Field", field.name
     yield "Area", f"{field.area_ha:.2f} ha, {len(field.cells)} cells of {field.cell_size:g} m"
     yield "CRS", field.crs or "none: a local frame"
@@ -152,17 +187,14 @@ def _headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str
     yield "Stops without a reading", str(len(survey.refused))
     yield "Way driven", f"{survey.metres:.0f} m"
     yield "Time", f"{survey.minutes:.0f} min"
-    yield (
-        "Mean kriging variance",
-        f"{mean_kv:,.0f} kPa², a standard deviation of {deviation:.0f} kPa",
-    )
+    yield "Mean kriging variance", _variance(survey.mean_kv)
     if history and math.isfinite(history[-1].rmse):
         last = history[-1]
         after = _count(last.samples, "sample", "samples")
         yield "RMSE", f"{last.rmse:.0f} kPa against the simulated truth after {after}"
     for settings in survey.settings[-1:]:
         yield "Strategy", settings.strategy
-        every = _count(settings.refit_every, "sample", "samples")
+        every = f"{settings.refit_every} samples" if settings.refit_every > 1 else "sample"
         yield "Estimator", f"{settings.estimator}, fitted anew every {every}"
         yield "Seed", str(settings.seed)
         yield "World", settings.world
@@ -173,6 +205,12 @@ def _headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str
     )
 
 
+def _variance(kpa2: float) -> str:
+    if math.isnan(kpa2):
+        return "unknown: one sample tells no variance"
+    return f"{kpa2:,.0f} kPa², a standard deviation of {float(standard_deviation(kpa2)):.0f} kPa"
+
+
 def _rows(survey: Survey, fits: Sequence[Fit]) -> tuple[_Row, ...]:
     """Table of layers: mean and spread of the map, its standard deviation, and its variogram."""
     soil_map = survey.soil_map
@@ -181,24 +219,24 @@ def _rows(survey: Survey, fits: Sequence[Fit]) -> tuple[_Row, ...]:
     return tuple(
         _Row(
             name,
-            str(int(np.isfinite(soil_map.kpa[k]).sum())),
-            f"{soil_map.mean[k].mean():.0f}",
-            f"{soil_map.mean[k].std():.0f}",
-            f"{deviation[k].mean():.0f}",
-            _describe(fits[k]),
-            fits[k].why,
-            remark(fits[k], used[k]),
+            _whole(
+                np.isfinite(soil_map.kpa[k]).sum(),
+                soil_map.mean[k].mean(),
+                soil_map.mean[k].std(),
+                deviation[k].mean(),
+            ),
+            name_of(fit.variogram),
+            _whole(fit.variogram.nugget, fit.variogram.sill, fit.variogram.range),
+            fit.why,
+            remark(fit, used[k]),
         )
-        for k, name in enumerate(soil_map.layers.names)
+        for k, (name, fit) in enumerate(zip(soil_map.layers.names, fits, strict=True))
     )
 
 
-def _describe(fit: Fit) -> str:
-    model = fit.variogram
-    return (
-        f"{name_of(model)}, nugget {model.nugget:.3g}, sill {model.sill:.3g} kPa², "
-        f"range {model.range:.0f} m"
-    )
+def _whole(*numbers: float) -> tuple[str, ...]:
+    """Whole numbers as text, with a dash where there is none."""
+    return tuple(f"{number:,.0f}" if math.isfinite(number) else "–" for number in numbers)
 
 
 def _notes(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> Iterator[str]:
@@ -209,7 +247,7 @@ def _notes(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> 
         "samples, so the true uncertainty is larger, most of all with few samples."
     )
     if len(soil_map.samples) == 1:
-        yield "One sample tells no variance: all variances here follow from an assumed sill."
+        yield "One sample tells no variance: standard deviations follow from an assumed sill."
     if priors := sum(fit.is_prior for fit in fits):
         yield (
             f"In {priors} of {_count(len(fits), 'layer', 'layers')} there is too little to fit a "
@@ -241,11 +279,11 @@ def _pushes(soil_map: SoilMap, state: LayerState) -> int:
     return sum(bool((sample.state == state).any()) for sample in soil_map.samples)
 
 
-def _picture(path: Path) -> _Picture:
+def _picture(path: Path) -> Picture:
     png = path.read_bytes()
     pixels = int.from_bytes(png[16:20], "big")
     source = "data:image/png;base64," + base64.b64encode(png).decode("ascii")
-    return _Picture(path.name, _CAPTIONS[path.stem], source, pixels * _SCREEN_DPI // DPI)
+    return Picture(path.name, _CAPTIONS[path.stem], source, pixels * _SCREEN_DPI // DPI)
 
 
 def _count(number: int, one: str, several: str) -> str:

@@ -79,7 +79,9 @@ def leave_one_out(ok: OrdinaryKriging) -> LeaveOneOut:
     """Leave-one-out residuals and variances in closed form (Dubrule 1983, Math. Geol. 15, 687).
 
     With K the covariance of the readings, noise included, and
-    B = K^-1 - K^-1 1 1' K^-1 / (1' K^-1 1): residual = (B z)_i / B_ii, variance = 1 / B_ii.
+    B = K^-1 - K^-1 1 1' K^-1 / (1' K^-1 1): residual = (B z)_i / B_ii, variance = 1 / B_ii. In
+    differences d = D z to the first reading, as :mod:`subsoil.kriging.system` keeps them,
+    B = D' W' W D.
     Readings at one place were averaged, and are left out together.
 
     Parameters
@@ -95,14 +97,15 @@ def leave_one_out(ok: OrdinaryKriging) -> LeaveOneOut:
     n = len(ok.at)
     if n < 3:
         raise ReadingsError(f"leave-one-out needs three readings or more, not {n}")
-    inverse = ok.inverse.array[:, :, :n]
-    precision = np.matmul(inverse.transpose(0, 2, 1), inverse)
-    ones = precision.sum(axis=2)
-    b = precision - ones[:, :, None] * ones[:, None, :] / ones.sum(axis=1)[:, None, None]
-    diagonal = np.einsum("gii->gi", b)
-    bz = np.matmul(b, ok.z[:, :, None])[:, :, 0]
-    residual = bz / diagonal
-    variance = np.broadcast_to(1.0 / diagonal, residual.shape)
+    system = ok.system
+    w = system.inverse.array[:, :, : n - 1]
+    precision = np.matmul(w.transpose(0, 2, 1), w)
+    of_first = precision.sum(axis=(1, 2))[:, None]
+    b_diagonal = np.concatenate([of_first, np.einsum("gii->gi", precision)], axis=1)
+    wy = np.matmul(w.transpose(0, 2, 1), system.y[:, :, None])[:, :, 0]
+    bz = np.concatenate([-wy.sum(axis=1, keepdims=True), wy], axis=1)
+    residual = bz / b_diagonal
+    variance = np.broadcast_to(1.0 / b_diagonal, residual.shape)
     mean_residual = (ok.z - ok.z.mean(axis=1, keepdims=True)) * n / (n - 1)
     return LeaveOneOut(residual, variance, mean_residual)
 

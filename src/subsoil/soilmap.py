@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ParameterError
 from subsoil.kriging import Estimate, condition, over
-from subsoil.kriging.estimate import broken_layers
 from subsoil.layers import Layers, Sample
 from subsoil.variogram import Estimator, Fit
 from subsoil.variogram.models import Variogram
@@ -141,7 +140,7 @@ class SoilMap:
         at, kpa, error = self._readings(layers)
         shared = models[0] if len(set(models)) == 1 else models
         estimate = over(condition(shared, at, kpa, error_variance=error), self.cells)
-        return Stack(layers, _valid(estimate), len(self.samples))
+        return Stack(layers, estimate, len(self.samples))
 
     def _followed(self, stack: Stack) -> Stack:
         """Bring a stack up to the last sample."""
@@ -149,7 +148,7 @@ class SoilMap:
         if not len(at):
             return replace(stack, samples=len(self.samples))
         estimate = stack.estimate.append(at, kpa, error_variance=error)
-        return Stack(stack.layers, _valid(estimate), len(self.samples))
+        return Stack(stack.layers, estimate, len(self.samples))
 
     def _readings(self, layers: tuple[int, ...], since: int = 0) -> tuple[Floats, Floats, Floats]:
         """(n, 2) places, (g, n) kPa and (n,) error variances of samples that reached layers."""
@@ -248,10 +247,3 @@ class SoilMap:
             f"{', '.join(replaced)}: bounded linear model not valid in the plane for these "
             "readings: kriged with the circular model of the same slope",
         )
-
-
-def _valid(estimate: Estimate) -> Estimate:
-    """Krige anew with the circular model what a bounded linear one gave a negative variance."""
-    ok = estimate.kriging
-    broken = broken_layers(ok, estimate.prediction.variance)
-    return over(ok.with_circular(broken), estimate.targets) if broken.any() else estimate

@@ -52,10 +52,6 @@ def test_random_draws_every_cell_equally_often(fields: dict[str, Field], look: L
 # --- W shape --------------------------------------------------------------------------------------
 
 
-def w_of(points: list[tuple[float, float]]) -> shapely.LineString:
-    return shapely.LineString(points)
-
-
 def test_a_w_stands_upright_and_its_stops_lie_on_it_evenly(
     fields: dict[str, Field], look: Look
 ) -> None:
@@ -63,7 +59,7 @@ def test_a_w_stands_upright_and_its_stops_lie_on_it_evenly(
     plan = w_shape(look(land, budget=30, fresh=True), margin=0.03, amplitude=0.7)
     top, bottom = 130 * 0.85, 130 * 0.15
     east = np.linspace(0.03, 0.97, 5) * 180
-    line = w_of(list(zip(east, (top, bottom, top, bottom, top), strict=True)))
+    line = shapely.LineString(np.column_stack([east, (top, bottom, top, bottom, top)]))
     stops = shapely.points(land.cells[list(plan.cells)])
     assert shapely.distance(stops, line).max() <= np.hypot(2.5, 2.5)
     along = np.sort(shapely.line_locate_point(line, stops))
@@ -93,12 +89,10 @@ def test_stops_of_a_w_stay_on_the_w_where_that_lies_in_the_field(
     land = fields[name]
     plan = w_shape(look(land, budget=9, fresh=True))
     west, south, east, north = land.boundary.bounds
-    upright = east - west >= north - south
     x = np.linspace(0.03, 0.97, 5) * (east - west)
     t = np.array([0.85, 0.15, 0.85, 0.15, 0.85]) * (north - south)
-    assert upright
     stops = shapely.points(land.cells[list(plan.cells)])
-    assert shapely.distance(stops, w_of(list(zip(x, t, strict=True)))).max() <= 5.0
+    assert shapely.distance(stops, shapely.LineString(np.column_stack([x, t]))).max() <= 5.0
 
 
 def test_a_w_that_misses_the_field_still_gives_its_stops(look: Look) -> None:
@@ -304,6 +298,14 @@ def test_a_plan_that_holds_the_highest_kv_is_kept(fields: dict[str, Field], look
     kept = adaptive_greedy(replace(seen, plan=plan), drop_sigma=9.0)
     assert kept.cells == plan
     assert kept.reason == "no cell exceeds the plan's KV"
+
+
+def test_targets_of_equal_kv_are_all_kept(fields: dict[str, Field], look: Look) -> None:
+    land = fields["test bed"]
+    plan = (700, 750, 790, 800, 830, 850, 900)
+    seen = look(land, (0, 1, 2), plan, variograms=SHORT)
+    assert np.ptp(seen.soil_map.kv[list(plan)]) == pytest.approx(0.0)
+    assert adaptive_greedy(seen, drop_sigma=0.0).cells == plan
 
 
 def test_adaptive_greedy_with_an_empty_plan_goes_to_the_highest_kv(

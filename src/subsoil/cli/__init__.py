@@ -2,8 +2,8 @@
 
 Exit codes: 0 all is well, 1 there are findings, 2 something given is wrong, 3 the survey cannot go
 on. Anything subsoil knows to be wrong is one line on standard error; ``--json`` puts the result,
-and nothing else, on standard output. Linear algebra runs on one thread: a survey's systems are small,
-and its results must not depend on how many cores a machine has.
+and nothing else, on standard output. Linear algebra runs on one thread: a survey's systems are
+small, and its results must not depend on how many cores a machine has.
 """
 
 from __future__ import annotations

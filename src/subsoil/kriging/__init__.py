@@ -1,6 +1,7 @@
 """Ordinary kriging: conditioning, prediction, following readings, dense maps."""
 
 from subsoil.kriging.estimate import Estimate, over
-from subsoil.kriging.ordinary import OrdinaryKriging, Prediction, condition
+from subsoil.kriging.ordinary import OrdinaryKriging, condition
+from subsoil.kriging.prediction import Prediction
 
 __all__ = ["Estimate", "OrdinaryKriging", "Prediction", "condition", "over"]

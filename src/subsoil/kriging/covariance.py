@@ -1,10 +1,11 @@
-"""Covariances of the spatially correlated part of one or several variograms at once."""
+"""Covariances of one or several variograms at once."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,32 +17,27 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Covariance:
-    """Signal covariance A - rise(h) of g variograms, stacked.
+    """Covariance of what is predicted, under g variograms stacked.
 
-    For a bounded model A is the partial sill. An unbounded model has no covariance; any A large
-    enough gives the same kriging (Chilès & Delfiner 2012, sec. 3.4.2), and A is taken from the
-    extent of the data.
+    A bounded model falls from its partial sill. An unbounded one has no covariance; kriging only
+    ever sees differences of covariances, for which ``-rise(h)`` serves as well (Chilès & Delfiner,
+    *Geostatistics*, 2012, sec. 3.4.2).
 
     Attributes
     ----------
     variograms
         g models.
-    extent
-        Distance in m over which unbounded models are to hold.
+    exact
+        Whether the nugget belongs to what is predicted, or is noise around it.
     """
 
     variograms: tuple[Variogram, ...]
-    extent: float
+    exact: bool
 
     @cached_property
-    def plateau(self) -> Floats:
-        """(g,) covariance at distance 0 without the nugget."""
-        return np.array(
-            [
-                v.sill - v.nugget if np.isfinite(v.sill) else 4.0 * float(v.rise(_lag(self.extent)))
-                for v in self.variograms
-            ]
-        )
+    def psill(self) -> Floats:
+        """(g,) partial sills; 0 for an unbounded model."""
+        return np.array([v.sill - v.nugget if np.isfinite(v.sill) else 0.0 for v in self.variograms])
 
     @cached_property
     def nugget(self) -> Floats:
@@ -49,37 +45,90 @@ class Covariance:
         return np.array([v.nugget for v in self.variograms])
 
     @cached_property
-    def bounded(self) -> bool:
-        """Whether every model has a sill."""
-        return all(np.isfinite(v.sill) for v in self.variograms)
+    def jump(self) -> Floats:
+        """(g,) nuggets that are predicted: by how much the covariance is higher at lag 0."""
+        return self.nugget if self.exact else np.zeros_like(self.nugget)
+
+    @cached_property
+    def noise(self) -> Floats:
+        """(g,) nuggets that are noise: the variance of a reading around what is predicted."""
+        return np.zeros_like(self.nugget) if self.exact else self.nugget
+
+    @cached_property
+    def origin(self) -> Floats:
+        """(g,) covariances at lag 0."""
+        return self.psill + self.jump
 
     def __call__(self, lag: Floats) -> Floats:
         """(g, ...) covariances at lags in m of any shape."""
+        c = self.smooth(lag)
+        if self.exact and not lag.all():
+            c[:, lag == 0.0] += self.jump[:, None]
+        return c
+
+    def smooth(self, lag: Floats) -> Floats:
+        """(g, ...) covariances at lags in m, without the jump at lag 0."""
         first = self.variograms[0]
         if isinstance(first, Bounded) and all(type(v) is type(first) for v in self.variograms):
             one_each = (-1,) + (1,) * lag.ndim
-            correlation: Floats = first.correlation(lag * self._inverse_range.reshape(one_each))
-            return correlation * self.plateau.reshape(one_each)
-        return np.stack(
-            [a - v.rise(lag) for a, v in zip(self.plateau, self.variograms, strict=True)]
-        )
+            c: Floats = first.correlation(lag * self._inverse_range.reshape(one_each))
+            c *= self.psill.reshape(one_each)
+            return c
+        pairs = zip(self.psill, self.variograms, strict=True)
+        return np.stack([psill - v.rise(lag) for psill, v in pairs])
+
+    def shape(self, extent: float) -> Shape:
+        """Return the covariance of the only variogram, without the jump, in units of its own.
+
+        That of an unbounded model is 1 in size at an extent in m.
+        """
+        (v,) = self.variograms
+        if isinstance(v, Bounded):
+            return Shape(v.range, v.psill, v.correlation, v.breaks)
+        height = float(v.rise(np.array(extent))) or 1.0
+        return Shape(extent, height, lambda lag: -v.rise(extent * lag) / height, ())
+
+    def of(self, group: int) -> Covariance:
+        """Covariance of one of the variograms."""
+        return Covariance((self.variograms[group],), self.exact)
 
     @cached_property
     def _inverse_range(self) -> Floats:
         return np.array([1.0 / v.range for v in self.variograms if isinstance(v, Bounded)])
 
 
-def covariance_of(variograms: Sequence[Variogram], at: Floats) -> Covariance:
-    """Covariance of variograms over the extent of (n, 2) places in m."""
-    extent = float(np.hypot(*np.ptp(at, axis=0))) if len(at) > 1 else 0.0
-    return Covariance(tuple(variograms), extent or 1.0)
+@dataclass(frozen=True)
+class Shape:
+    """A covariance ``height * at(lag / length)``, smooth but at 0 and at some breaks.
+
+    Attributes
+    ----------
+    length
+        Unit of distance in m.
+    height
+        Unit of covariance in squared units of z.
+    at
+        Covariance by distance, in these units.
+    breaks
+        Distances beyond 0, in these units, at which it is not smooth; it is 0 from the last on.
+    """
+
+    length: float
+    height: float
+    at: Callable[[Floats], Floats]
+    breaks: tuple[float, ...]
+
+    @property
+    def end(self) -> float:
+        """Distance from which on the covariance is zero."""
+        return max(self.breaks, default=inf)
 
 
 def lags(a: Floats, b: Floats) -> Floats:
-    """(len(a), len(b)) distances in m between two sets of places."""
-    difference = a[:, None, :] - b[None, :, :]
-    return np.sqrt(np.einsum("ijk,ijk->ij", difference, difference))
-
-
-def _lag(metres: float) -> Floats:
-    return np.asarray(metres, dtype=float)
+    """(len(a), len(b)) distances in m between (n, 2) and (N, 2) places."""
+    east = a[:, 0, None] - b[:, 0]
+    north = a[:, 1, None] - b[:, 1]
+    east *= east
+    north *= north
+    east += north
+    return np.sqrt(east, out=east)

@@ -8,16 +8,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from subsoil.errors import SingularSystemError
 from subsoil.kriging.covariance import lags
-from subsoil.kriging.ordinary import OrdinaryKriging, Prediction, rounding
+from subsoil.kriging.direct import pin, solved
+from subsoil.kriging.ordinary import OrdinaryKriging
+from subsoil.kriging.prediction import Prediction
+from subsoil.kriging.readings import checked_targets
 from subsoil.kriging.rows import Rows
-from subsoil.variogram.models import BoundedLinear
 
 Floats = NDArray[np.float64]
-
-_BLOCK = 4096
-"""Targets solved at a time in a direct prediction: bounds its memory."""
 
 
 @dataclass(frozen=True)
@@ -32,74 +30,59 @@ class Estimate:
         The readings conditioned on.
     targets
         (N, 2) places in m.
+    base
+        (g, N) b of :mod:`subsoil.kriging.system` at the targets.
     v
-        (g, n, N) W C0, one row a reading.
-    yv, fv, vv
-        (m, N), (g, N) and (g, N): y V, f V and the column sums of V^2.
+        (g, n-1, N) one row a reading but the first.
+    mean, variance
+        (m, N) and (g, N).
     pins
         (k, 2) pairs of target and reading at one place.
     """
 
     kriging: OrdinaryKriging
     targets: Floats
+    base: Floats
     v: Rows
-    yv: Floats
-    fv: Floats
-    vv: Floats
-    pins: NDArray[np.int64]
+    mean: Floats
+    variance: Floats
+    pins: NDArray[np.intp]
 
     @cached_property
     def prediction(self) -> Prediction:
         """Mean and variance, (N,) or (m, N)."""
-        ok = self.kriging
-        mean, variance = self._layers
-        return Prediction(mean, variance, ok.notes) if ok.layered else _flat(mean, variance, ok)
-
-    @cached_property
-    def _layers(self) -> tuple[Floats, Floats]:
-        ok = self.kriging
-        u = 1.0 - self.fv
-        mean = ok.mu[:, None] * u + self.yv
-        variance = ok.target_variance[:, None] - self.vv + u * u / ok.ff[:, None]
-        if len(self.pins):
-            target, reading = self.pins.T
-            certain = _certain(ok)[:, reading]
-            variance[:, target] = np.where(certain, 0.0, variance[:, target])
-            mean[:, target] = np.where(certain, ok.z[:, reading], mean[:, target])
-        return mean, np.broadcast_to(variance, mean.shape)
+        return self.kriging.prediction(self.mean, self.variance)
 
     def append(self, at: ArrayLike, z: ArrayLike, *, error_variance: ArrayLike = 0.0) -> Estimate:
         """Follow further readings; see :meth:`OrdinaryKriging.append`."""
-        places, values, error = self.kriging._check_new(at, z, error_variance)
         grown = self
-        for k in range(len(places)):
-            ok = grown.kriging
-            noise = error[:, k] if ok.exact else error[:, k] + ok.covariance.nugget
-            grown = grown._follow(places[k], values[:, k], noise)
+        for place, values, noise in self.kriging.incoming(at, z, error_variance):
+            grown = grown._follow(place, values, noise)
         return grown
 
     def _follow(self, at: Floats, z: Floats, noise: Floats) -> Estimate:
-        ok, border = self.kriging.border(at, z, noise)
-        if border is None:
-            return over(ok, self.targets)
-        lag = np.sqrt(((self.targets - at) ** 2).sum(axis=1))
-        v = self.kriging.target_covariance(lag)
+        system = self.kriging.system
+        readings, n = system.readings, len(system.readings)
+        lag = lags(np.concatenate([readings.at, self.targets]), at[None])[:, 0]
+        k = system.covariance(lag)
+        border = system.border(lag[:n], k[:, :n], noise)
+        if not border.sound:
+            return over(self.kriging.joined(at, z, noise), self.targets)
+        ok = self.kriging.grown(border, at, z, noise)
+        v = k[:, n:] + self.base
         v -= np.matmul(border.row[:, None, :], self.v.array)[:, 0]
-        v /= border.d[:, None]
-        here = np.flatnonzero(lag == 0.0)
+        v -= k[:, :1]
+        v /= np.sqrt(border.pivot)[:, None]
+        mean = ok.system.y[:, -1:] * v
+        mean += self.mean
+        variance = self.variance - v * v
+        here = np.flatnonzero(lag[n:] == 0.0)
+        pins = self.pins
         if here.size:
-            new = np.column_stack([here, np.full(here.size, len(ok.at) - 1)])
-            pins = np.concatenate([self.pins, new])
-        else:
-            pins = self.pins
-        return Estimate(
-            ok,
-            self.targets,
-            self.v.append(v),
-            self.yv + border.y[:, None] * v,
-            self.fv + border.f[:, None] * v,
-            self.vv + v * v,
-            pins,
+            pins = np.concatenate([pins, np.column_stack([here, np.full(here.size, n)])])
+        pin(ok.system.readings, pins, mean, variance)
+        return _sound(
+            Estimate(ok, self.targets, self.base, self.v.append(v), mean, variance, pins)
         )
 
     def variance_drop(self, candidates: ArrayLike) -> Floats:
@@ -117,18 +100,19 @@ class Estimate:
         ndarray
             (k, N), or (m, k, N) for layers.
         """
-        ok = self.kriging
-        index = np.asarray(candidates, dtype=np.int64)
-        v = self.v.array
-        joint = ok.target_covariance(lags(self.targets[index], self.targets))
+        index = np.asarray(candidates, dtype=np.intp)
+        system, v = self.kriging.system, self.v.array
+        covariance = system.covariance
+        joint = covariance(lags(self.targets[index], self.targets))
         joint -= np.matmul(v[:, :, index].transpose(0, 2, 1), v)
-        u = 1.0 - self.fv
-        joint += u[:, index, None] * u[:, None, :] / ok.ff[:, None, None]
-        own = joint[:, np.arange(len(index)), index]
-        reading = own if ok.exact else own + ok.covariance.nugget[:, None]
-        drop = joint**2 / reading[:, :, None]
-        shape = (len(ok.z), *drop.shape[1:])
-        return np.broadcast_to(drop, shape) if ok.layered else drop[0]
+        joint += self.base[:, None, :]
+        joint += (self.base[:, index] - (covariance.origin + system.readings.noise[:, 0])[:, None])[
+            :, :, None
+        ]
+        own = joint[:, np.arange(len(index)), index] + covariance.noise[:, None]
+        drop = joint * joint
+        drop /= own[:, :, None]
+        return self.kriging.shaped(drop)
 
 
 def over(ok: OrdinaryKriging, targets: ArrayLike) -> Estimate:
@@ -140,65 +124,18 @@ def over(ok: OrdinaryKriging, targets: ArrayLike) -> Estimate:
         Readings conditioned on.
     targets
         (N, 2) places in m.
-    """
-    places = np.atleast_2d(np.asarray(targets, dtype=float))
-    lag = lags(ok.at, places)
-    n = len(ok.at)
-    v = np.matmul(ok.inverse.array[:, :, :n], ok.target_covariance(lag))
-    reading, target = np.nonzero(lag == 0.0)
-    return Estimate(
-        ok,
-        places,
-        Rows(v),
-        np.matmul(ok.y[:, None, :], v)[:, 0],
-        np.matmul(ok.f[:, None, :], v)[:, 0],
-        np.einsum("gnt,gnt->gt", v, v),
-        np.column_stack([target, reading]),
-    )
-
-
-def predict_direct(ok: OrdinaryKriging, targets: Floats) -> Prediction:
-    """Mean and variance at (N, 2) targets, a block at a time."""
-    starts = range(0, max(len(targets), 1), _BLOCK)
-    blocks = [over(ok, targets[k : k + _BLOCK])._layers for k in starts]
-    mean = np.concatenate([mean for mean, _ in blocks], axis=1)
-    variance = np.concatenate([variance for _, variance in blocks], axis=1)
-    broken = broken_layers(ok, variance)
-    if broken.any() and ok.invalid == "circular":
-        return predict_direct(ok.with_circular(broken), targets)
-    if broken.any():
-        negative = variance < -rounding(ok)[:, None]
-        mean, variance = np.where(negative, np.nan, mean), np.where(negative, np.nan, variance)
-    return Prediction(mean, variance, ok.notes) if ok.layered else _flat(mean, variance, ok)
-
-
-def broken_layers(ok: OrdinaryKriging, variance: Floats) -> NDArray[np.bool_]:
-    """Mark the (g,) bounded linear models that gave a negative variance in (m, ...).
 
     Raises
     ------
     SingularSystemError
-        If a model that is valid in the plane did so: the system is too ill-conditioned to trust.
+        If a variance is negative beyond rounding under a model that should forbid it.
     """
-    lowest = variance.reshape(len(variance), -1).min(axis=1, initial=0.0)
-    groups = lowest if len(ok.noise) == len(lowest) else lowest.min(keepdims=True)
-    broken = groups < -rounding(ok)
-    for g in np.flatnonzero(broken):
-        if not isinstance(ok.variograms[g], BoundedLinear):
-            raise SingularSystemError(
-                f"kriging variance fell to {groups[g]:.3g}: the system is too ill-conditioned",
-                where=f"layer {g + 1}, {ok.variograms[g]}",
-                remedy="add a nugget or choose a rougher model",
-            )
-    return np.asarray(broken)
+    places = checked_targets(targets)
+    s = solved(ok.system, places)
+    return _sound(Estimate(ok, places, s.base, Rows(s.v), s.mean, s.variance, s.pins))
 
 
-def _certain(ok: OrdinaryKriging) -> NDArray[np.bool_]:
-    """(g, n) whether a reading is what is predicted at its place, without any noise."""
-    return ok.noise == 0.0
-
-
-def _flat(mean: Floats, variance: Floats, ok: OrdinaryKriging) -> Prediction:
-    return Prediction(mean[0], variance[0], ok.notes)
-
-
+def _sound(estimate: Estimate) -> Estimate:
+    """Return the estimate, or that of the replacement models where its own turned out invalid."""
+    ok = estimate.kriging.mended(estimate.variance)
+    return estimate if ok is estimate.kriging else over(ok, estimate.targets)

@@ -1,18 +1,4 @@
-"""Ordinary kriging as a value: condition on readings, predict, append, predict again.
-
-With the covariance C of the correlated part, N the variance of the readings around it and
-L L' = C + N, keep W = L^-1, f = W 1 and y = W z. Then for targets with covariances C0 and
-V = W C0 (METHODS of Pulido Fentanes et al. 2018, eq. 1-3, with the Lagrange term the paper's
-eq. 3 leaves out; Chilès & Delfiner 2012, sec. 3.4)::
-
-    mu       = f.y / f.f
-    u        = 1 - f V
-    mean     = mu u + y V
-    variance = C00 - sum(V^2) + u^2 / f.f
-
-A further reading appends one row to W and V and one entry to f and y, which costs
-O(n^2 + n N) and gives what conditioning on everything gives.
-"""
+"""Ordinary kriging as a value: condition on readings, predict, append, predict again."""
 
 from __future__ import annotations
 
@@ -22,11 +8,20 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg.lapack import dpotrf, dtrtri
 
-from subsoil.errors import KrigingError, ParameterError, ReadingsError, SingularSystemError
-from subsoil.kriging.covariance import Covariance, covariance_of, lags
-from subsoil.kriging.rows import Rows
+from subsoil.errors import ParameterError, ReadingsError, SingularSystemError
+from subsoil.kriging.covariance import Covariance, lags
+from subsoil.kriging.dense import predicted_on_grid
+from subsoil.kriging.direct import predicted
+from subsoil.kriging.prediction import Prediction
+from subsoil.kriging.readings import (
+    Readings,
+    checked,
+    checked_error,
+    checked_targets,
+    distinct,
+)
+from subsoil.kriging.system import Border, System, factorised
 from subsoil.variogram.models import BoundedLinear, Variogram
 
 Floats = NDArray[np.float64]
@@ -38,47 +33,13 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Prediction:
-    """Kriged values; unpacks as ``mean, variance``.
-
-    Attributes
-    ----------
-    mean, variance
-        (...) or (m, ...) kriged values and their variances.
-    notes
-        What happened on the way that the reader of a map should know.
-    spot_check
-        Largest difference, in standard deviations (means) or sills (variances), to a direct
-        solution at random targets; 0 where the solution was direct.
-    """
-
-    mean: Floats
-    variance: Floats
-    notes: tuple[str, ...] = ()
-    spot_check: float = 0.0
-
-    def __iter__(self) -> Iterator[Floats]:
-        return iter((self.mean, self.variance))
-
-
-@dataclass(frozen=True)
 class OrdinaryKriging:
     """Readings, conditioned on; made by :func:`condition`.
 
     Attributes
     ----------
-    at
-        (n, 2) distinct places in m.
-    z
-        (m, n) values there, repeats averaged.
-    noise
-        (g, n) variance of each value around what is predicted; g is 1 or m.
-    count
-        (n,) readings behind each value.
-    covariance
-        Models of the correlated part, g of them.
-    exact
-        Whether the nugget belongs to what is predicted.
+    system
+        The factorised kriging system.
     layered
         Whether values came as (m, n), so that predictions carry the m too.
     invalid
@@ -87,48 +48,25 @@ class OrdinaryKriging:
         What happened on the way.
     """
 
-    at: Floats
-    z: Floats
-    noise: Floats
-    count: Floats
-    covariance: Covariance
-    exact: bool
+    system: System
     layered: bool
     invalid: Invalid
-    inverse: Rows
-    y: Floats
-    f: Floats
     notes: tuple[str, ...] = ()
+
+    @property
+    def at(self) -> Floats:
+        """(n, 2) distinct places of the readings in m."""
+        return self.system.readings.at
+
+    @property
+    def z(self) -> Floats:
+        """(m, n) values there, repeats averaged."""
+        return self.system.readings.z
 
     @property
     def variograms(self) -> tuple[Variogram, ...]:
         """The g models kriged with: one for all layers, or one a layer."""
-        return self.covariance.variograms
-
-    @property
-    def ff(self) -> Floats:
-        """(g,) f.f, the information on the mean."""
-        return np.einsum("gn,gn->g", self.f, self.f)
-
-    @property
-    def mu(self) -> Floats:
-        """(m,) generalised least-squares means."""
-        return (self.f * self.y).sum(axis=-1) / self.ff
-
-    @property
-    def target_variance(self) -> Floats:
-        """(g,) variance of what is predicted: with the nugget if exact, without if not."""
-        plateau = self.covariance.plateau
-        return plateau + self.covariance.nugget if self.exact else plateau
-
-    def target_covariance(self, lag: Floats) -> Floats:
-        """(g, ...) covariance between a reading's place and a target at a lag in m."""
-        c = self.covariance(lag)
-        if self.exact:
-            here = lag == 0.0
-            if here.any():
-                c[:, here] += self.covariance.nugget[:, None]
-        return c
+        return self.system.covariance.variograms
 
     def append(
         self, at: ArrayLike, z: ArrayLike, *, error_variance: ArrayLike = 0.0
@@ -151,11 +89,9 @@ class OrdinaryKriging:
         SingularSystemError
             If the system has no answer with the new readings.
         """
-        at, z, error = self._check_new(at, z, error_variance)
         grown = self
-        for k in range(len(at)):
-            noise = error[:, k] if self.exact else error[:, k] + self.covariance.nugget
-            grown, _ = grown.border(at[k], z[:, k], noise)
+        for place, values, noise in self.incoming(at, z, error_variance):
+            grown = grown.joined(place, values, noise)
         return grown
 
     def predict(self, targets: ArrayLike) -> Prediction:
@@ -166,127 +102,118 @@ class OrdinaryKriging:
         SingularSystemError
             If a variance is negative beyond rounding under a model that should forbid it.
         """
-        from subsoil.kriging.estimate import predict_direct
-
-        return predict_direct(self, np.atleast_2d(np.asarray(targets, dtype=float)))
+        places = checked_targets(targets)
+        mean, variance = predicted(self.system, places)
+        mended = self.mended(variance)
+        return self.prediction(mean, variance) if mended is self else mended.predict(places)
 
     def predict_grid(self, easting: ArrayLike, northing: ArrayLike) -> Prediction:
         """Mean and variance on a dense grid, as (ny, nx) or (m, ny, nx).
 
-        The same answer as :meth:`predict` to better than 1e-9 standard deviations and sills, by
-        Chebyshev interpolation of the far readings' part over tiles; each map compares itself
-        with direct kriging at random cells and records the difference as ``spot_check``.
+        The same answer as :meth:`predict` to about 1e-9 standard deviations of the readings and
+        sills, by :mod:`subsoil.kriging.dense`; every tile of the map compares itself with direct
+        kriging, and the largest difference seen is kept as ``spot_check``.
 
         Parameters
         ----------
         easting, northing
             (nx,) and (ny,) ascending, evenly spaced coordinates in m.
-        """
-        from subsoil.kriging.dense import predict_on_grid
 
-        return predict_on_grid(
-            self, np.asarray(easting, dtype=float), np.asarray(northing, dtype=float)
+        Raises
+        ------
+        ParameterError
+            If the coordinates are not such.
+        SingularSystemError
+            If a variance is negative beyond rounding under a model that should forbid it.
+        """
+        mean, variance, spot_check = predicted_on_grid(self.system, easting, northing)
+        mended = self.mended(variance)
+        if mended is not self:
+            return mended.predict_grid(easting, northing)
+        return replace(self.prediction(mean, variance), spot_check=spot_check)
+
+    def joined(self, at: Floats, z: Floats, noise: Floats) -> OrdinaryKriging:
+        """Condition on one more reading: (2,) place, (m,) values and (g,) noise."""
+        system = self.system
+        lag = lags(system.readings.at, at[None])[:, 0]
+        border = system.border(lag, system.covariance(lag), noise)
+        if border.sound:
+            return self.grown(border, at, z, noise)
+        readings = system.readings.joined(at, z, noise)
+        return _conditioned(
+            readings, system.covariance, self.layered, self.invalid, self.notes
         )
 
-    def border(self, at: Floats, z: Floats, noise: Floats) -> tuple[OrdinaryKriging, Border | None]:
-        """Append one reading: the grown value, and how it grew.
+    def grown(self, border: Border, at: Floats, z: Floats, noise: Floats) -> OrdinaryKriging:
+        """Condition on one more reading whose border is known and sound."""
+        system = self.system.grown(border, at, z, noise)
+        return OrdinaryKriging(system, self.layered, self.invalid, self.notes)
+
+    def incoming(
+        self, at: ArrayLike, z: ArrayLike, error_variance: ArrayLike
+    ) -> Iterator[tuple[Floats, Floats, Floats]]:
+        """Places (2,), values (m,) and noises (g,) of further readings, checked, one by one."""
+        places, values = checked(at, z, len(self.z))
+        error = checked_error(error_variance, len(self.variograms), len(places))
+        noise = error + self.system.covariance.noise[:, None]
+        return zip(places, values.T, noise.T, strict=True)
+
+    def mended(self, variance: Floats) -> OrdinaryKriging:
+        """Return this kriging, or with valid models for those that gave a negative variance.
 
         Parameters
         ----------
-        at
-            (2,) place in m.
-        z
-            (m,) values.
-        noise
-            (g,) variance around what is predicted.
+        variance
+            (g, ...) predicted variances.
 
-        Returns
-        -------
-        tuple
-            The border is ``None`` where the system had to be factorised anew: at a place already
-            in it, or beyond the extent an unbounded model was set up for.
+        Raises
+        ------
+        SingularSystemError
+            If a model that is valid in the plane did so: the system is too ill-conditioned.
         """
-        lag = np.sqrt(((self.at - at) ** 2).sum(axis=1))
-        here = np.flatnonzero(lag == 0.0)
-        if here.size:
-            return self._merged(int(here[0]), z, noise), None
-        grown_at = np.concatenate([self.at, at[None]])
-        grown = replace(
-            self,
-            at=grown_at,
-            z=np.concatenate([self.z, z[:, None]], axis=1),
-            noise=np.concatenate([self.noise, noise[:, None]], axis=1),
-            count=np.append(self.count, 1.0),
-        )
-        if not self.covariance.bounded and lag.max() > self.covariance.extent:
-            return _factorised(replace(grown, covariance=covariance_of(self.variograms, grown_at))), None
-        n = len(self.at)
-        inverse = self.inverse.array[:, :, :n]
-        k = self.covariance(lag)
-        row = np.matmul(inverse, k[:, :, None])[:, :, 0]
-        diagonal = self.covariance.plateau + noise + (self.covariance.nugget if self.exact else 0.0)
-        pivot = diagonal - np.einsum("gn,gn->g", row, row)
-        if np.any(pivot <= _least_pivot(n + 1) * diagonal):
-            return _factorised(grown), None
-        d = np.sqrt(pivot)
-        y_new = (z - (row * self.y).sum(axis=-1)) / d
-        f_new = (1.0 - np.einsum("gn,gn->g", row, self.f)) / d
-        last = np.concatenate(
-            [np.matmul(row[:, None, :], inverse)[:, 0] / -d[:, None], 1.0 / d[:, None]], axis=1
-        )
-        grown = replace(
-            grown,
-            inverse=self.inverse.append(last),
-            y=np.concatenate([self.y, y_new[:, None]], axis=1),
-            f=np.concatenate([self.f, f_new[:, None]], axis=1),
-        )
-        return grown, Border(row, d, y_new, f_new)
+        lowest = variance.reshape(len(variance), -1).min(axis=1, initial=0.0)
+        if not (lowest < 0.0).any():
+            return self
+        broken = lowest < -_ROUNDING * self.system.scale
+        for g in np.flatnonzero(broken):
+            if not isinstance(self.variograms[g], BoundedLinear):
+                raise SingularSystemError(
+                    f"kriging variance fell to {lowest[g]:.3g}: the system is too ill-conditioned",
+                    where=_named(self.variograms, int(g)),
+                    remedy="add a nugget or choose a rougher model",
+                )
+        replaced = self.invalid == "circular" and broken.any()
+        return self.with_circular(broken) if replaced else self
 
-    def with_circular(self, layers: NDArray[np.bool_]) -> OrdinaryKriging:
+    def with_circular(self, models: NDArray[np.bool_]) -> OrdinaryKriging:
         """Krige the (g,) marked bounded linear models by the circular one of the same slope."""
         variograms = tuple(
             v.circular() if swap and isinstance(v, BoundedLinear) else v
-            for v, swap in zip(self.variograms, layers, strict=True)
+            for v, swap in zip(self.variograms, models, strict=True)
         )
-        note = _circular_note(layers, self.layered)
-        covariance = Covariance(variograms, self.covariance.extent)
-        return _factorised(replace(self, covariance=covariance, notes=(*self.notes, note)))
+        covariance = replace(self.system.covariance, variograms=variograms)
+        notes = (*self.notes, _circular_note(models))
+        return _conditioned(
+            self.system.readings, covariance, self.layered, self.invalid, notes
+        )
 
-    def _merged(self, index: int, z: Floats, noise: Floats) -> OrdinaryKriging:
-        pair = np.stack([self.noise[:, index], noise], axis=1)
-        weight, merged = _merge(pair, np.array([self.count[index], 1.0]))
-        values, noises, count = self.z.copy(), self.noise.copy(), self.count.copy()
-        values[:, index] = (weight * np.stack([values[:, index], z], axis=1)).sum(axis=1)
-        noises[:, index] = merged
-        count[index] += 1
-        return _factorised(replace(self, z=values, noise=noises, count=count))
+    def prediction(self, mean: Floats, variance: Floats) -> Prediction:
+        """Shape (m, ...) means and (g, ...) variances as the values came; NaN where not valid."""
+        if self.invalid == "nan":
+            threshold = -_ROUNDING * self.system.scale
+            negative = variance < threshold.reshape(-1, *[1] * (variance.ndim - 1))
+            variance = np.where(negative, np.nan, variance)
+            mean = np.where(negative, np.nan, mean)
+        return Prediction(self.shaped(mean), self.shaped(variance), self.notes)
 
-    def _check_new(
-        self, at: ArrayLike, z: ArrayLike, error_variance: ArrayLike
-    ) -> tuple[Floats, Floats, Floats]:
-        places = np.asarray(at, dtype=float)
-        values = np.asarray(z, dtype=float)
-        if places.ndim == 1:
-            values = values[..., None]
-        places = np.atleast_2d(places)
-        values = np.atleast_2d(values)
-        if values.shape != (len(self.z), len(places)):
-            raise ReadingsError(
-                f"values {values.shape} do not fit {len(self.z)} layers at {len(places)} places",
-                where="append",
-            )
-        _check_readings(places, values)
-        return places, values, _check_error(error_variance, len(self.noise), len(places))
-
-
-@dataclass(frozen=True)
-class Border:
-    """How a system grew by one reading: the new row of L left of its diagonal, and the diagonal."""
-
-    row: Floats
-    d: Floats
-    y: Floats
-    f: Floats
+    def shaped(self, values: Floats) -> Floats:
+        """Shape (g, ...) or (m, ...) values as (m, ...), or (...) if the readings came as (n,)."""
+        if not self.layered:
+            values = values[0]
+        elif len(values) < len(self.z):
+            values = np.broadcast_to(values, (len(self.z), *values.shape[1:]))
+        values.flags.writeable = False
+        return values
 
 
 def condition(
@@ -325,6 +252,8 @@ def condition(
     ------
     ReadingsError
         If shapes do not fit, there is no reading, or a value is not finite.
+    ParameterError
+        If there is not one variogram, or one a layer, or a variance is negative.
     SingularSystemError
         If the system is not positive definite.
 
@@ -337,142 +266,71 @@ def condition(
     >>> mean.round(3), variance.round(3)
     (array([2.   , 1.868]), array([0.   , 0.213]))
     """
-    places, values = np.array(at, dtype=float), np.array(z, dtype=float)
-    layered = values.ndim == 2
-    values = np.atleast_2d(values)
-    variograms = tuple(variogram) if isinstance(variogram, Sequence) else (variogram,)
-    if places.ndim != 2 or places.shape[1:] != (2,) or values.shape[1:] != places.shape[:1]:
-        raise ReadingsError(
-            f"places {places.shape} and values {np.shape(z)} do not fit",
-            remedy="give places (n, 2) in metres and values (n,) or (m, n)",
-        )
-    if not len(places):
+    if np.size(z) == 0:
         raise ReadingsError("there is no reading to krige from", remedy="give at least one")
+    layered = np.ndim(z) == 2
+    places, values = checked(np.array(at, dtype=float), np.array(z, dtype=float), _layers(z))
+    variograms = tuple(variogram) if isinstance(variogram, Sequence) else (variogram,)
     if len(variograms) not in (1, len(values)):
         raise ParameterError(
             f"{len(variograms)} variograms for {len(values)} layers",
             where="variogram",
             remedy="give one for all layers or one a layer",
         )
-    _check_readings(places, values)
     if np.ndim(error_variance) == 2 and len(variograms) == 1:
         variograms = variograms * len(values)
-    error = _check_error(error_variance, len(variograms), len(places))
-    nugget = np.array([v.nugget for v in variograms])
-    noise = error if exact else error + nugget[:, None]
-    places, values, noise, count = _averaged(places, values, noise)
-    covariance = covariance_of(variograms, places)
-    empty = np.empty((len(variograms), 0))
-    return _factorised(
-        OrdinaryKriging(
-            places, values, noise, count, covariance, exact, layered, invalid,
-            Rows(np.empty((len(variograms), 0, 0))), empty, empty,
-        )
-    )  # fmt: skip
+    covariance = Covariance(variograms, exact)
+    error = checked_error(error_variance, len(variograms), len(places))
+    readings = distinct(places, values, error + covariance.noise[:, None])
+    return _conditioned(readings, covariance, layered, invalid, ())
 
 
-def _factorised(ok: OrdinaryKriging) -> OrdinaryKriging:
-    """Solve the system anew from its places, values and noise."""
-    n = len(ok.at)
-    k = ok.covariance(lags(ok.at, ok.at))
-    diagonal = ok.covariance.plateau[:, None] + ok.noise
-    if ok.exact:
-        diagonal = diagonal + ok.covariance.nugget[:, None]
-    k[:, np.arange(n), np.arange(n)] = diagonal
-    inverse = np.zeros_like(k)
-    failed = np.zeros(len(k), dtype=bool)
-    for g, matrix in enumerate(k):
-        factor, info = dpotrf(matrix, lower=1, clean=1)
-        pivots = np.diag(factor) ** 2
-        failed[g] = info != 0 or np.any(pivots <= _least_pivot(n) * diagonal[g])
-        if not failed[g]:
-            inverse[g] = dtrtri(factor, lower=1)[0]
-    if failed.any():
-        linear = np.array([isinstance(v, BoundedLinear) for v in ok.variograms])
-        if ok.invalid == "circular" and np.all(linear[failed]):
-            return ok.with_circular(failed)
-        if ok.invalid == "nan" and np.all(linear[failed]):
-            inverse[failed] = np.nan
-        else:
-            raise _singular(ok, int(np.flatnonzero(failed)[0]))
-    y = np.matmul(inverse, ok.z[:, :, None])[:, :, 0]
-    return replace(ok, inverse=Rows(inverse), y=y, f=inverse.sum(axis=2))
+def _conditioned(
+    readings: Readings,
+    covariance: Covariance,
+    layered: bool,
+    invalid: Invalid,
+    notes: tuple[str, ...],
+) -> OrdinaryKriging:
+    system, failed = factorised(readings.led(), covariance)
+    ok = OrdinaryKriging(system, layered, invalid, notes)
+    if not failed.any():
+        return ok
+    replaceable = [isinstance(v, BoundedLinear) for v in ok.variograms]
+    if not np.all(np.array(replaceable)[failed]):
+        raise _singular(readings, ok.variograms, int(np.flatnonzero(failed)[0]))
+    return ok.with_circular(failed) if invalid == "circular" else ok
 
 
-def _singular(ok: OrdinaryKriging, group: int) -> KrigingError:
-    spacing = lags(ok.at, ok.at) + np.diag(np.full(len(ok.at), np.inf))
+def _layers(z: ArrayLike) -> int:
+    return len(np.asarray(z)) if np.ndim(z) == 2 else 1
+
+
+def _named(variograms: tuple[Variogram, ...], model: int) -> str:
+    layer = f"layer {model + 1}, " if len(variograms) > 1 else ""
+    return f"{layer}{variograms[model]}"
+
+
+def _singular(
+    readings: Readings, variograms: tuple[Variogram, ...], model: int
+) -> SingularSystemError:
+    at = readings.at
+    spacing = lags(at, at)
+    np.fill_diagonal(spacing, np.inf)
     i, j = np.unravel_index(int(np.argmin(spacing)), spacing.shape)
-    layer = f"layer {group + 1}, " if len(ok.variograms) > 1 else ""
     return SingularSystemError(
-        f"the kriging system of {len(ok.at)} readings is not positive definite",
-        where=f"{layer}{ok.variograms[group]}",
-        remedy="add a nugget, or choose a rougher model; "
-        f"the closest readings are {int(i) + 1} and {int(j) + 1}, {spacing[i, j]:.3g} m apart",
+        f"the kriging system of {len(at)} readings is not positive definite",
+        where=_named(variograms, model),
+        remedy="add a nugget, or choose a rougher model; the closest readings are those at "
+        f"({at[i, 0]:g}, {at[i, 1]:g}) and ({at[j, 0]:g}, {at[j, 1]:g}), "
+        f"{spacing[i, j]:.3g} m apart",
     )
 
 
-def _circular_note(layers: NDArray[np.bool_], layered: bool) -> str:
-    which = ", ".join(str(k + 1) for k in np.flatnonzero(layers))
-    place = f" in layer {which}" if layered and len(layers) > 1 else ""
+def _circular_note(models: NDArray[np.bool_]) -> str:
+    which = ", ".join(str(k + 1) for k in np.flatnonzero(models))
+    place = f" in layer {which}" if len(models) > 1 else ""
     return (
         f"bounded linear model not valid in the plane for these readings{place}: "
         "kriged with the circular model of the same slope"
     )
-
-
-def _least_pivot(n: int) -> float:
-    return 8.0 * n * float(np.finfo(float).eps)
-
-
-def _averaged(at: Floats, z: Floats, noise: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Join readings at one place into one, in the order of their first appearance."""
-    _, first, inverse = np.unique(at, axis=0, return_index=True, return_inverse=True)
-    if len(first) == len(at):
-        return at, z, noise, np.ones(len(at))
-    order = np.argsort(first)
-    members = [np.flatnonzero(inverse.ravel() == k) for k in order]
-    merged = [_merge(noise[:, m], np.ones(len(m))) for m in members]
-    values = np.stack(
-        [(w * z[:, m]).sum(axis=1) for (w, _), m in zip(merged, members, strict=True)], axis=1
-    )
-    noises = np.stack([joint for _, joint in merged], axis=1)
-    return at[first[order]], values, noises, np.array([float(len(m)) for m in members])
-
-
-def _merge(noise: Floats, count: Floats) -> tuple[Floats, Floats]:
-    """Weights (g, k) of k readings at one place by their precision, and their joint noise (g,)."""
-    certain = noise == 0.0
-    any_certain = certain.any(axis=1, keepdims=True)
-    precision = np.where(any_certain, certain * count, 1.0 / np.where(certain, 1.0, noise))
-    total = precision.sum(axis=1, keepdims=True)
-    return precision / total, np.where(any_certain, 0.0, 1.0 / total)[:, 0]
-
-
-def _check_readings(at: Floats, z: Floats) -> None:
-    bad = np.flatnonzero(~np.isfinite(at).all(axis=1))
-    if bad.size:
-        raise ReadingsError("a coordinate is not a number", where=f"reading {bad[0] + 1}")
-    layer, reading = np.nonzero(~np.isfinite(z))
-    if layer.size:
-        raise ReadingsError(
-            "a value is not a number",
-            where=f"reading {reading[0] + 1}" + (f", layer {layer[0] + 1}" if len(z) > 1 else ""),
-            remedy="leave readings out that were not taken",
-        )
-
-
-def _check_error(error_variance: ArrayLike, groups: int, n: int) -> Floats:
-    error = np.asarray(error_variance, dtype=float)
-    if not np.all(np.isfinite(error)) or np.any(error < 0):
-        raise ParameterError("variances must be zero or more", where="error_variance")
-    try:
-        return np.broadcast_to(error, (groups, n))
-    except ValueError:
-        raise ParameterError(
-            f"variances {error.shape} do not fit {n} readings", where="error_variance"
-        ) from None
-
-
-def rounding(ok: OrdinaryKriging) -> Floats:
-    """(g,) size of a negative variance that is still rounding."""
-    return _ROUNDING * np.maximum(ok.target_variance, ok.noise.max(axis=1, initial=0.0))

@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+_ROOM, _GROWTH = 32, 4
+"""Rows of a new buffer, at least and per row there is. Memory is not touched before it is used."""
+
 
 class Rows:
     """A stack of matrices (g, n, w) to which rows are appended.
@@ -40,14 +43,16 @@ class Rows:
             grown._buffer = self._copy(width)
             grown._claims = {n + 1: mine}
         grown._buffer[:, n, :width] = row
+        grown._buffer[:, n, width:] = 0.0
         grown._count = n + 1
         return grown
 
     def _copy(self, width: int) -> Floats:
         groups, capacity, old_width = self._buffer.shape
         n = self._count
-        rows = capacity if n < capacity else max(8, 2 * n)
-        columns = old_width if width <= old_width else max(8, 2 * width)
-        bigger = np.zeros((groups, rows, columns))
+        rows = capacity if n < capacity else max(_ROOM, _GROWTH * n)
+        columns = old_width if width <= old_width else max(_ROOM, _GROWTH * width)
+        bigger = np.empty((groups, rows, columns))
         bigger[:, :n, :old_width] = self._buffer[:, :n]
+        bigger[:, :n, old_width:] = 0.0
         return bigger

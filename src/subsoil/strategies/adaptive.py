@@ -120,7 +120,7 @@ def _worthy(view: View, drop_sigma: float) -> list[int]:
     if not view.plan:
         return []
     kv = view.soil_map.kv[list(view.plan)]
-    worthy = kv >= kv.mean() - drop_sigma * kv.std()
+    worthy = kv >= (kv.mean() - drop_sigma * kv.std()) * (1 - TIE)
     return [cell for cell, stays in zip(view.plan, worthy, strict=True) if stays]
 
 

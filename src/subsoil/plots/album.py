@@ -1,8 +1,8 @@
-"""Pictures as PNG files in a folder."""
+"""All pictures of a survey, or of a map of readings, by name and as PNG files."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,12 +24,25 @@ if TYPE_CHECKING:
     from subsoil.report import Progress
 
 DPI = 150
+"""Dots per inch of a PNG file."""
 
 
 def readings_figures(
     soil_map: SoilMap, field: Field, fits: Sequence[Fit], folder: Path
 ) -> tuple[Path, ...]:
-    """Save the pictures of a map of readings: slices, standard deviations, variograms, profiles.
+    """Save the pictures of :func:`draw_readings` as PNG files in a folder; returns their paths."""
+    return _save(draw_readings(soil_map, field, fits), folder)
+
+
+def survey_figures(
+    survey: Survey, history: Sequence[Progress], fits: Sequence[Fit], folder: Path
+) -> tuple[Path, ...]:
+    """Save the pictures of :func:`draw_survey` as PNG files in a folder; returns their paths."""
+    return _save(draw_survey(survey, history, fits), folder)
+
+
+def draw_readings(soil_map: SoilMap, field: Field, fits: Sequence[Fit]) -> dict[str, Figure]:
+    """Depth slices, standard deviations, variograms and profiles of a map of readings, by name.
 
     Parameters
     ----------
@@ -39,8 +52,6 @@ def readings_figures(
         The field that was mapped.
     fits
         How the variograms were come by, one a layer.
-    folder
-        Where to write to; it exists.
 
     Raises
     ------
@@ -52,19 +63,18 @@ def readings_figures(
         If matplotlib is not installed.
     """
     caption = _samples(len(soil_map.samples))
-    figures = {
+    return {
         "depth_slices": depth_slices(soil_map, field, caption=_on_land(caption, field)),
         "std_dev": std_dev(soil_map, field, caption=_on_land(caption, field)),
         "variograms": variograms(fits, soil_map, caption=caption),
         "profiles": profiles(soil_map, caption=caption),
     }
-    return _save(figures, folder)
 
 
-def survey_figures(
-    survey: Survey, history: Sequence[Progress], fits: Sequence[Fit], folder: Path
-) -> tuple[Path, ...]:
-    """Save the pictures of a survey: those of its readings with the way, and learning curves.
+def draw_survey(
+    survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]
+) -> dict[str, Figure]:
+    """Pictures of a survey by name: as of its readings, with its way and learning curves.
 
     Parameters
     ----------
@@ -74,8 +84,6 @@ def survey_figures(
         Where it stood after its samples; without any there are no learning curves.
     fits
         How the variograms were come by, one a layer.
-    folder
-        Where to write to; it exists.
 
     Raises
     ------
@@ -90,21 +98,21 @@ def survey_figures(
     caption = (
         f"{_samples(len(survey.visited))}, {survey.metres:.0f} m driven, {survey.minutes:.0f} min"
     )
-    figures = {
-        "depth_slices": depth_slices(
-            soil_map,
-            field,
-            way=way(survey),
-            refused=field.cells[list(survey.refused)],
-            caption=_on_land(caption, field),
-        ),
+    slices = depth_slices(
+        soil_map,
+        field,
+        way=way(survey),
+        refused=field.cells[list(survey.refused)],
+        caption=_on_land(caption, field),
+    )
+    curves = {"learning_curves": learning_curves(history, caption=caption)} if history else {}
+    return {
+        "depth_slices": slices,
         "std_dev": std_dev(soil_map, field, caption=_on_land(caption, field)),
+        **curves,
+        "variograms": variograms(fits, soil_map, caption=caption),
+        "profiles": profiles(soil_map, caption=caption),
     }
-    if history:
-        figures["learning_curves"] = learning_curves(history, caption=caption)
-    figures["variograms"] = variograms(fits, soil_map, caption=caption)
-    figures["profiles"] = profiles(soil_map, caption=caption)
-    return _save(figures, folder)
 
 
 def way(survey: Survey) -> NDArray[np.float64]:
@@ -113,7 +121,7 @@ def way(survey: Survey) -> NDArray[np.float64]:
     return np.array([*start, *survey.soil_map.at.tolist()]).reshape(-1, 2)
 
 
-def _save(figures: dict[str, Figure], folder: Path) -> tuple[Path, ...]:
+def _save(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:
     paths = {name: Path(folder) / f"{name}.png" for name in figures}
     for name, figure in figures.items():
         figure.savefig(paths[name], dpi=DPI)

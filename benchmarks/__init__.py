@@ -1,0 +1,1 @@
+"""Speed, memory and quality, measured side by side with others in the same run."""

@@ -1,0 +1,100 @@
+"""From how far away a covariance can be interpolated over a box of cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.kriging.chebyshev import NODES, Box, Stretch, squared_lags
+from subsoil.kriging.covariance import Shape
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+_GAPS = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 20.0)
+"""Distances tried, in half sides of a box."""
+_FAR = 3.0
+"""Distance, in half sides, at which only the breaks matter."""
+_INSIDE = ((0.0, 0.0), (0.3, 0.5), (1.0, 0.2), (1.0, 1.0))
+"""Places tried within a box, in its half sides."""
+_MORE = (1.0 + 1e-9, 1.3, 1.7, 2.5, 4.0, 7.0)
+"""Multiples of a distance tried as well."""
+
+
+@dataclass(frozen=True)
+class Smoothness:
+    """Where a reading's covariance is smooth over boxes of one half side, in units of its own.
+
+    Attributes
+    ----------
+    reach
+        Distance from the nearest point of a box beyond which it is smooth.
+    guard
+        Distance by which the furthest point has to stay short of a break.
+    breaks
+        Distances at which the covariance is not smooth.
+    """
+
+    reach: float
+    guard: float
+    breaks: tuple[float, ...]
+
+    def rough(self, nearest: Floats, furthest: Floats) -> Bools:
+        """Mark readings whose covariance is not smooth, by squared distances to a box."""
+        rough = nearest < self.reach**2
+        for lag in self.breaks:
+            rough |= (nearest < lag**2) & (furthest > max(lag - self.guard, 0.0) ** 2)
+        return rough
+
+
+def smoothness(shape: Shape, half: float, error: float) -> Smoothness:
+    """Try out from where on a covariance is interpolated to an error, all in units of its own."""
+    axis = np.linspace(-half, half, NODES + 1)
+    box = Box(Stretch(axis, 0, len(axis)), Stretch(axis, 0, len(axis)))
+    breaks = shape.breaks
+
+    def fits(at: Floats, tried: Smoothness) -> bool:
+        smooth = at[~tried.rough(*box.span(at))]
+        return not len(smooth) or _interpolation_error(shape, smooth, box) <= error
+
+    far = [Smoothness(_FAR * half, g * half, breaks) for g in _GAPS]
+    guard = next((t.guard for t in far if fits(_short(t, half), t)), inf)
+    for gap in _GAPS:
+        tried = Smoothness(gap * half, guard, breaks)
+        if fits(np.concatenate([_beyond(gap, half), _short(tried, half)]), tried):
+            return tried
+    return Smoothness(inf, guard, breaks)
+
+
+def _beyond(gap: float, half: float) -> Floats:
+    """Return (k, 2) places a gap, in half sides, and more from a box; within it as well for 0."""
+    away = np.array([gap * more if gap else more - 1.0 for more in _MORE])[:, None]
+    beside = [np.broadcast_arrays(1.0 + away, y) for y in (0.0, 0.3, 0.6, 1.0)]
+    angles = np.radians([22.5, 45.0])
+    beside.append([1.0 + away * np.cos(angles), 1.0 + away * np.sin(angles)])
+    places = [np.column_stack([x.ravel(), y.ravel()]) for x, y in beside]
+    return half * np.concatenate([*places, np.array(_INSIDE)] if not gap else places)
+
+
+def _short(tried: Smoothness, half: float) -> Floats:
+    """Return (k, 2) places whose furthest point of a box is a guard short of a break."""
+    reach = np.array([lag - tried.guard * more for lag in tried.breaks for more in _MORE])
+    places = [
+        np.column_stack([np.sqrt(np.maximum(reach**2 - (y + half) ** 2, 0.0)) - half, 0.0 * reach + y])
+        for y in (0.0, 0.5 * half, half)
+    ]
+    aslant = reach * sqrt(0.5) - half
+    at = np.concatenate([*places, np.column_stack([aslant, aslant])])
+    return at[at[:, 0] >= 0.0] * (1.0 - 1e-12)
+
+
+def _interpolation_error(shape: Shape, at: Floats, box: Box) -> float:
+    """Largest error of the covariances with (k, 2) places interpolated over a box."""
+    nodes, cells = box.north.nodes, box.north.at
+    c = shape.at(np.sqrt(squared_lags(at, nodes, nodes)))
+    weights = box.north.weights(cells)
+    exact = shape.at(np.sqrt(squared_lags(at, cells, cells)))
+    return float(np.abs(weights @ c @ weights.T - exact).max())

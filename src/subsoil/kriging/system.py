@@ -1,0 +1,182 @@
+"""The ordinary kriging system: factorised once, bordered by further readings.
+
+The mean of the field is unknown, so only differences carry information. Taking the first
+reading z1, of noise e1, as the reference, the differences to it have the covariance
+(generalised; Chilès & Delfiner, *Geostatistics*, 2012, sec. 3.4.2; it solves eq. 1-3 of Pulido
+Fentanes et al. 2018, whose variance line leaves the Lagrange term out)::
+
+    b(p)    = c(0) + e1 - c(p, x1)
+    G(p, q) = c(p, q) + b(p) + b(q) - (c(0) + e1)
+
+and ordinary kriging is simple kriging with G. With L L' = G + noise over the other readings,
+W = L^-1, y = W (z - z1) and v(t) = W G(., t)::
+
+    mean(t)     = z1 + y . v(t)
+    variance(t) = 2 b(t) - e1 - |v(t)|^2
+
+G is positive definite for every model that is valid in the plane, bounded or not; a further
+reading adds one row to W and v and one entry to y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dpotrf, dtrtri
+
+from subsoil.kriging.covariance import Covariance, lags
+from subsoil.kriging.readings import Readings
+from subsoil.kriging.rows import Rows
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class System:
+    """Readings conditioned on; made by :func:`factorised` and :meth:`grown`.
+
+    Attributes
+    ----------
+    readings
+        n of them.
+    covariance
+        g models.
+    base
+        (g, n) b at the readings.
+    inverse
+        (g, n-1, n-1) W.
+    y
+        (m, n-1) W (z - z1).
+    """
+
+    readings: Readings
+    covariance: Covariance
+    base: Floats
+    inverse: Rows
+    y: Floats
+
+    @cached_property
+    def scale(self) -> Floats:
+        """(g,) size of the variances at play: the largest sill or variance of a difference."""
+        e1 = self.readings.noise[:, :1]
+        sill = self.covariance.psill + self.covariance.nugget
+        scale: Floats = np.maximum(sill, (2.0 * self.base - e1).max(axis=1))
+        return scale
+
+    def layers(self) -> list[slice]:
+        """Layers that each of the g variograms is for."""
+        m, g = len(self.readings.z), len(self.base)
+        return [slice(k * m // g, (k + 1) * m // g) for k in range(g)]
+
+    def of(self, group: int) -> System:
+        """System of one of the variograms and its layers."""
+        layers, one = self.layers()[group], slice(group, group + 1)
+        r = self.readings
+        return System(
+            Readings(r.at, r.z[layers], r.noise[one], r.count),
+            self.covariance.of(group),
+            self.base[one],
+            Rows(self.inverse.array[one]),
+            self.y[layers],
+        )
+
+    def border(self, lag: Floats, k: Floats, noise: Floats) -> Border:
+        """How a reading extends the system.
+
+        Parameters
+        ----------
+        lag, k
+            (n,) distances in m and (g, n) covariances of its place with the readings.
+        noise
+            (g,) variance of its value around what is predicted.
+        """
+        n, e1 = len(self.readings), self.readings.noise[:, 0]
+        base = self.covariance.origin + e1 - k[:, 0]
+        column = k[:, 1:] + self.base[:, 1:]
+        column -= k[:, :1]
+        row = np.matmul(self.inverse.array[:, :, : n - 1], column[:, :, None])[:, :, 0]
+        alone = 2.0 * base - e1 + noise
+        pivot = alone - np.einsum("gn,gn->g", row, row)
+        new = bool(lag.all()) and self.readings.leads(noise)
+        return Border(base, row, pivot, new and bool((pivot > _least_pivot(n) * alone).all()))
+
+    def grown(self, border: Border, at: Floats, z: Floats, noise: Floats) -> System:
+        """Return the system with one more reading, O(n^2); its border must be sound."""
+        d, n = np.sqrt(border.pivot), len(self.readings)
+        w = self.inverse.array[:, :, : n - 1]
+        last = np.empty((len(w), n))
+        last[:, :-1] = np.matmul(border.row[:, None, :], w)[:, 0] / -d[:, None]
+        last[:, -1] = 1.0 / d
+        y = (z - self.readings.z[:, 0] - (border.row * self.y).sum(axis=1)) / d
+        return System(
+            self.readings.appended(at, z, noise),
+            self.covariance,
+            np.concatenate([self.base, border.base[:, None]], axis=1),
+            self.inverse.append(last),
+            np.concatenate([self.y, y[:, None]], axis=1),
+        )
+
+
+@dataclass(frozen=True)
+class Border:
+    """The next row of L, W and y.
+
+    Attributes
+    ----------
+    base
+        (g,) b at the new reading.
+    row
+        (g, n-1) L left of its diagonal.
+    pivot
+        (g,) square of L's diagonal.
+    sound
+        Whether the system may grow by it. Not at a place already read, nor where the pivot is
+        rounding, nor beside a far noisier first reading: these are factorised anew.
+    """
+
+    base: Floats
+    row: Floats
+    pivot: Floats
+    sound: bool
+
+
+def factorised(readings: Readings, covariance: Covariance) -> tuple[System, NDArray[np.bool_]]:
+    """Solve a system from its readings, O(n^3).
+
+    Returns
+    -------
+    tuple
+        The system, and which of the (g,) models are not positive definite for these readings;
+        the system is NaN in those.
+    """
+    n, e1 = len(readings), readings.noise[:, :1]
+    k = covariance(lags(readings.at, readings.at))
+    top = covariance.origin[:, None] + e1
+    base = top - k[:, 0]
+    g = k[:, 1:, 1:]
+    g += (base - top)[:, 1:, None]
+    g += base[:, None, 1:]
+    diagonal = np.arange(n - 1)
+    g[:, diagonal, diagonal] += readings.noise[:, 1:]
+    inverse = np.stack([_inverse_factor(matrix) for matrix in g])
+    y = np.matmul(inverse, (readings.z[:, 1:] - readings.z[:, :1])[:, :, None])[:, :, 0]
+    failed = np.isnan(inverse).any(axis=(1, 2))
+    return System(readings, covariance, base, Rows(inverse), y), failed
+
+
+def _inverse_factor(matrix: Floats) -> Floats:
+    """Invert the Cholesky factor of a matrix; NaN where there is none."""
+    n = len(matrix)
+    if not n:
+        return matrix
+    factor, info = dpotrf(matrix, lower=1, clean=1)
+    if info or np.any(np.diag(factor) ** 2 <= _least_pivot(n) * np.diag(matrix)):
+        return np.full((n, n), np.nan)
+    return np.ascontiguousarray(dtrtri(factor, lower=1)[0])
+
+
+def _least_pivot(n: int) -> float:
+    return 8.0 * n * float(np.finfo(float).eps)

@@ -1,0 +1,481 @@
+"""Pictures show what the survey knows, all of it, and say what is what."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from io import BytesIO
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+
+from subsoil.errors import MissingExtraError, ParameterError, ReadingsError
+from subsoil.events import Opened, Refused
+from subsoil.field import Field
+from subsoil.layers import Layers, LayerState, Sample
+from subsoil.plots import (
+    depth_slices,
+    draw_survey,
+    learning_curves,
+    profiles,
+    readings_figures,
+    std_dev,
+    survey_figures,
+    variograms,
+)
+from subsoil.plots.album import way
+from subsoil.plots.sheet import sheet
+from subsoil.report import Progress
+from subsoil.soilmap import SoilMap
+from subsoil.survey import Survey, apply, opened
+from subsoil.variogram import BoundedLinear, Fit, LeastSquares, Spherical, Variogram
+
+FIELD = Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)], name="plot")
+LAYERS = Layers((0.0, 0.1, 0.2, 0.3))
+_, AT_LEAST, UNREACHED = LayerState
+CORNERS = {
+    "tall": [(0, 0), (40, 0), (60, 300), (20, 310)],
+    "wide": [(0, 0), (400, 0), (400, 60), (0, 80)],
+    "L-shaped": [(0, 0), (160, 0), (160, 60), (90, 60), (90, 140), (0, 140)],
+}
+UTM = np.array([681_000.0, 5_900_000.0])
+
+History = tuple[Progress, ...]
+Fits = tuple[Fit, ...]
+
+
+def layered(
+    kpa: list[list[float]],
+    states: list[list[int]],
+    models: tuple[Variogram, ...] = (Spherical(100.0, 30.0, 5000.0),) * 3,
+) -> SoilMap:
+    """Map of samples given as (n, 3) layer means and states, at cells ten apart."""
+    samples = tuple(
+        Sample(tuple(at), np.array(values), np.array(state, dtype=np.int8))
+        for at, values, state in zip(FIELD.cells[::10].tolist(), kpa, states, strict=False)
+    )
+    return SoilMap(FIELD.cells, LAYERS, models, samples)
+
+
+def panels(figure: Figure, number: int) -> list[Axes]:
+    return figure.axes[:number]
+
+
+def texts(axes: Axes) -> list[str]:
+    return [axes.get_title(loc="left"), *(text.get_text() for text in axes.texts)]
+
+
+def names(figure: Figure) -> set[str]:
+    return {text.get_text() for legend in figure.legends for text in legend.get_texts()}
+
+
+def points(line: Line2D) -> list[list[float]]:
+    found: list[list[float]] = np.asarray(line.get_xydata()).tolist()
+    return found
+
+
+def named(axes: Axes, name: str) -> list[list[float]]:
+    """Points of the one line of a name."""
+    (line,) = [line for line in axes.lines if line.get_label() == name]
+    return points(line)
+
+
+def rendered(figure: Figure) -> bytes:
+    target = BytesIO()
+    figure.savefig(target, dpi=40)
+    return target.getvalue()
+
+
+def test_slices_share_one_scale_from_the_lowest_to_the_highest_mean(survey: Survey) -> None:
+    soil_map = survey.soil_map
+    drawn = panels(depth_slices(soil_map, FIELD), 8)
+    limits = {axes.images[0].get_clim() for axes in drawn}
+    assert limits == {(soil_map.mean.min(), soil_map.mean.max())}
+    assert {axes.images[0].get_cmap().name for axes in drawn} == {"viridis"}
+
+
+def test_slices_show_every_cell_where_it_lies_north_up(survey: Survey) -> None:
+    soil_map = survey.soil_map
+    for k, axes in enumerate(panels(depth_slices(soil_map, FIELD), 8)):
+        image = axes.images[0]
+        assert image.origin == "lower"
+        assert list(image.get_extent()) == [0.0, 60.0, 0.0, 40.0]
+        np.testing.assert_array_equal(np.asarray(image.get_array()).ravel(), soil_map.mean[k])
+
+
+def test_slices_are_named_after_layers_with_metres_of_equal_length(survey: Survey) -> None:
+    drawn = panels(depth_slices(survey.soil_map, FIELD), 8)
+    assert tuple(axes.get_title(loc="left") for axes in drawn) == Layers().names
+    assert {axes.get_aspect() for axes in drawn} == {1.0}
+
+
+def test_slices_have_a_scale_bar_of_its_stated_length_and_a_north_arrow(survey: Survey) -> None:
+    figure = depth_slices(survey.soil_map, FIELD)
+    (bar,) = [line for axes in figure.axes for line in axes.lines if line.get_gid() == "scale bar"]
+    foot = bar.axes
+    assert isinstance(foot, Axes)
+    words = [text.get_text() for text in foot.texts]
+    assert "N" in words
+    (length,) = [float(word.removesuffix(" m")) for word in words if word.endswith(" m")]
+
+    def inches(axes: Axes, x: float) -> float:
+        return float(axes.transData.transform((x, 0.0))[0]) / figure.dpi
+
+    ends = [inches(foot, x) for x, _ in points(bar)]
+    ten_metres = inches(figure.axes[0], 10.0) - inches(figure.axes[0], 0.0)
+    assert (ends[1] - ends[0]) / ten_metres * 10.0 == pytest.approx(length)
+
+
+def test_the_colour_bar_says_kpa(survey: Survey) -> None:
+    soil_map = survey.soil_map
+    for figure in (depth_slices(soil_map, FIELD), std_dev(soil_map, FIELD)):
+        assert any(axes.get_ylabel().endswith("(kPa)") for axes in figure.axes)
+
+
+def test_standard_deviations_are_roots_of_variances_on_one_scale_of_their_own(
+    survey: Survey,
+) -> None:
+    soil_map = survey.soil_map
+    drawn = panels(std_dev(soil_map, FIELD), 8)
+    for k, axes in enumerate(drawn):
+        values = np.asarray(axes.images[0].get_array()).ravel()
+        np.testing.assert_allclose(values**2, soil_map.variance[k], rtol=1e-12)
+    assert len({axes.images[0].get_clim() for axes in drawn}) == 1
+    assert drawn[0].images[0].get_cmap().name != "viridis"
+
+
+def test_a_sample_is_drawn_by_what_it_knows_of_the_layer() -> None:
+    nan = np.nan
+    soil_map = layered(
+        [[500, 900, 1200], [600, 1900, nan], [550, 950, 1250]],
+        [[0, 0, 0], [0, AT_LEAST, UNREACHED], [0, 0, 0]],
+    )
+    figure = depth_slices(soil_map, FIELD)
+    drawn = [
+        {marks.get_label(): len(np.asarray(marks.get_offsets())) for marks in axes.collections}
+        for axes in panels(figure, 3)
+    ]
+    bound, unreached = "at least (force limit)", "layer not reached"
+    assert drawn == [{"sample": 3}, {"sample": 2, bound: 1}, {"sample": 2, unreached: 1}]
+    assert names(figure) == {"sample", bound, unreached}
+
+
+def test_the_way_goes_from_the_start_through_all_samples_in_order(survey: Survey) -> None:
+    places = way(survey)
+    assert places[0].tolist() == list(survey.configured.start)
+    np.testing.assert_array_equal(places[1:], survey.soil_map.at)
+    figure = depth_slices(survey.soil_map, FIELD, way=places)
+    for axes in panels(figure, 8):
+        assert any(points(line) == places.tolist() for line in axes.lines)
+    assert {"way between samples", "start"} <= names(figure)
+
+
+def test_keep_outs_holes_and_refused_stops_are_drawn(survey: Survey) -> None:
+    ring = [(20, 10), (30, 10), (30, 20), (20, 20)]
+    field = replace(FIELD, keep_outs=(Field.from_metres(ring).boundary,))
+    soil_map = SoilMap(field.cells, Layers(), survey.soil_map.variograms, survey.soil_map.samples)
+    figure = depth_slices(soil_map, field, refused=field.cells[[3, 7]])
+    for axes in panels(figure, 8):
+        assert len(axes.patches) == 1
+        assert axes.patches[0].get_hatch()
+    assert "refused" in names(figure)
+
+
+def test_a_layer_that_no_sample_measured_says_so() -> None:
+    soil_map = layered([[500, 900, np.nan]], [[0, 0, UNREACHED]])
+    drawn = panels(depth_slices(soil_map, FIELD), 3)
+    assert [any("no sample" in text for text in texts(axes)) for axes in drawn] == [
+        False,
+        False,
+        True,
+    ]
+
+
+def test_every_picture_says_what_the_survey_cost(
+    survey: Survey, history: History, fits: Fits
+) -> None:
+    cost = f"8 samples, {survey.metres:.0f} m driven, {survey.minutes:.0f} min"
+    for figure in draw_survey(survey, history, fits).values():
+        assert figure.texts[1].get_text().startswith(cost)
+
+
+@pytest.mark.parametrize("samples", [1, 2, 3])
+def test_the_first_samples_of_a_survey_can_be_drawn(
+    survey: Survey, history: History, samples: int, plot_opened: Opened
+) -> None:
+    changed = apply(opened(plot_opened), survey.settings[0])
+    kept = survey.soil_map.samples[:samples]
+    soil_map = replace(changed.soil_map, samples=kept, variograms=survey.soil_map.variograms)
+    early = replace(changed, soil_map=soil_map, visited=survey.visited[:samples])
+    own = LeastSquares(Spherical)(soil_map.at, soil_map.kpa)
+    figures = draw_survey(early, history[:samples], own)
+    assert len(figures) == 5
+    for figure in figures.values():
+        figure.draw_without_rendering()
+
+
+@pytest.mark.parametrize("draw", [depth_slices, std_dev, lambda m, _: profiles(m)])
+def test_without_a_sample_there_is_one_line_saying_so(
+    draw: Callable[[SoilMap, Field], Figure],
+) -> None:
+    with pytest.raises(ReadingsError, match="nothing to draw: no sample"):
+        draw(SoilMap(FIELD.cells, LAYERS), FIELD)
+
+
+def test_alike_values_can_be_drawn() -> None:
+    soil_map = layered([[700.0] * 3] * 4, [[0] * 3] * 4)
+    low, high = depth_slices(soil_map, FIELD).axes[0].images[0].get_clim()
+    assert low < 700.0 < high
+
+
+def test_a_name_is_text_and_never_a_formula(survey: Survey) -> None:
+    field = replace(FIELD, name="$\\frac{oops")
+    figure = depth_slices(survey.soil_map, field, caption="50 $ a sample, 60 $ an hour")
+    assert rendered(figure).startswith(b"\x89PNG")
+    assert any("$\\frac{oops" in text.get_text() for text in figure.texts)
+
+
+@pytest.mark.parametrize("shape", CORNERS)
+@pytest.mark.parametrize("layers", [1, 8])
+def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
+    field = Field.from_metres(np.array(CORNERS[shape]) + UTM, crs="EPSG:32630", name=shape)
+    bands = Layers(tuple(0.05 * k for k in range(layers + 1)))
+    rng = np.random.default_rng(2)
+    states = np.arange(layers) % 3 if layers > 1 else np.zeros(1)
+    samples = tuple(
+        Sample(tuple(at), rng.uniform(200, 2000, layers), np.array(state, dtype=np.int8))
+        for at, state in zip(field.cells[::40].tolist(), [states, 0 * states] * 50, strict=False)
+    )
+    soil_map = SoilMap(field.cells, bands, (Spherical(1.0, 50.0, 9.0),) * layers, samples)
+    figure = depth_slices(
+        soil_map, field, way=soil_map.at, refused=field.cells[[5]], caption="a caption " * 8
+    )
+    assert_legible(figure)
+
+
+def assert_legible(figure: Figure) -> None:
+    """All texts lie on the sheet, and no two on each other."""
+    figure.draw_without_rendering()
+    found = [text for text in shown(figure) if text.get_text().strip()]
+    boxes = {text: text.get_window_extent() for text in found}
+    for text, box in boxes.items():
+        assert figure.bbox.x0 <= box.x0, text
+        assert box.x1 <= figure.bbox.x1, text
+        assert figure.bbox.y0 <= box.y0, text
+        assert box.y1 <= figure.bbox.y1, text
+    for one, other in combinations(found, 2):
+        assert not boxes[one].overlaps(boxes[other]), (one, other)
+
+
+def shown(figure: Figure) -> list[Text]:
+    """Texts that are drawn: not those of axes that are off, nor labels of ticks out of sight."""
+    hidden: set[Artist] = set()
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            near = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
+            drawn = {axis.label, *(t.label1 for t in near), *(t.label2 for t in near)}
+            hidden |= set(axis.findobj(Text)) - (drawn if axes.axison else set())
+    texts = [text for text in figure.findobj(Text) if isinstance(text, Text)]
+    return [text for text in texts if text.get_visible() and text not in hidden]
+
+
+@given(st.integers(1, 24), st.floats(0.1, 10.0))
+def test_a_sheet_holds_all_panels_within_reach(number: int, aspect: float) -> None:
+    layout = sheet(number, aspect, strip=0.24, across=0.12, left=0.2, right=1.05, bottom=0.75)
+    assert layout.rows * layout.columns >= number
+    assert (layout.rows - 1) * layout.columns < number
+    assert layout.width / layout.height == pytest.approx(aspect)
+    width, height = layout.size
+    assert width <= 10.7
+    assert height <= 10.1
+
+
+def test_eight_layers_of_a_wide_field_make_two_rows_of_four() -> None:
+    layout = sheet(8, 1.4, strip=0.24, across=0.12, left=0.2, right=1.05, bottom=0.75)
+    assert (layout.rows, layout.columns) == (2, 4)
+
+
+HISTORY = (
+    Progress(1, 20.0, 1.2, 0.9, 600.0),
+    Progress(2, 50.0, 2.5, 40_000.0, 420.0),
+    Progress(2, 80.0, 4.0, 40_000.0, 420.0),
+    Progress(3, 95.0, 5.1, 22_500.0, 380.0),
+)
+
+
+def curves(axes: Axes) -> dict[str, list[list[float]]]:
+    return {str(line.get_label()): points(line) for line in axes.lines}
+
+
+def test_learning_curves_set_the_error_against_what_the_map_expects() -> None:
+    error, variance = learning_curves(HISTORY).axes
+    drawn = curves(error)
+    assert drawn["against the simulated truth (RMSE)"] == [[1, 600], [2, 420], [3, 380]]
+    assert drawn["as the map expects it (root mean KV)"][1:] == [[2, 200], [3, 150]]
+    assert curves(variance)["mean KV"][1:] == [[2, 40.0], [3, 22.5]]
+    assert error.get_ylabel() == "error (kPa)"
+    assert variance.get_ylabel() == "mean KV (10³ kPa²)"
+
+
+def test_learning_curves_tell_no_variance_of_one_sample() -> None:
+    _, variance = learning_curves(HISTORY).axes
+    assert np.isnan(curves(variance)["mean KV"][0][1])
+    assert any("no variance" in text for text in texts(learning_curves(HISTORY[:1]).axes[1]))
+
+
+def test_learning_curves_give_metres_and_minutes_of_the_last_entry_of_a_sample() -> None:
+    axes = learning_curves(HISTORY).axes[0]
+    labels = [label.get_text() for label in axes.get_xticklabels()]
+    assert labels == ["1\n20\n1", "2\n80\n4", "3\n95\n5"]
+
+
+def test_learning_curves_without_a_truth_show_the_variance_alone() -> None:
+    blind = [replace(now, rmse=float("nan")) for now in HISTORY]
+    (variance,) = learning_curves(blind).axes
+    assert "mean KV" in curves(variance)
+
+
+def test_learning_curves_of_nothing_are_an_error_that_says_so() -> None:
+    with pytest.raises(ReadingsError, match="nothing to draw"):
+        learning_curves(())
+
+
+def test_variograms_show_bins_pairs_and_the_curve(survey: Survey, fits: Fits) -> None:
+    drawn = panels(variograms(fits, survey.soil_map), 8)
+    for axes, fit in zip(drawn, fits, strict=True):
+        bins, model = fit.empirical, fit.variogram
+        dots = np.asarray(axes.collections[0].get_offsets())
+        np.testing.assert_allclose(dots, np.column_stack([bins.lag, bins.semivariance / 1000.0]))
+        pairs = [text.get_text() for text in axes.texts if text.get_gid() == "pairs"]
+        assert pairs == [str(number) for number in bins.pairs]
+        lag, gamma = np.array(points(axes.lines[0])).T
+        np.testing.assert_allclose(gamma * 1000.0, model.nugget + model.rise(lag))
+        assert any(f"range {model.range:.0f} m" in text for text in texts(axes))
+        assert any("nugget" in text and "sill" in text for text in texts(axes))
+
+
+def test_variograms_say_which_are_priors() -> None:
+    soil_map = layered([[500, 900, 1200], [600, 950, 1300]], [[0] * 3] * 2)
+    fits = LeastSquares(Spherical)(soil_map.at, soil_map.kpa)
+    for axes in panels(variograms(fits, soil_map), 3):
+        assert "prior, not a fit" in texts(axes)
+
+
+def test_variograms_show_the_circular_model_where_kriging_had_to_use_it() -> None:
+    linear = BoundedLinear(0.0, 15.0, 100.0)
+    rng = np.random.default_rng(0)
+    cells = FIELD.cells[rng.choice(len(FIELD.cells), 40, replace=False)]
+    samples = tuple(
+        Sample(tuple(at), np.array([500.0 + rng.normal()]), np.zeros(1, np.int8))
+        for at in cells.tolist()
+    )
+    soil_map = SoilMap(FIELD.cells, Layers((0.0, 0.2)), (linear,), samples)
+    fitted = LeastSquares(BoundedLinear)(soil_map.at, soil_map.kpa)
+    (axes,) = variograms([replace(fitted[0], variogram=linear)], soil_map).axes
+    assert any("kriged as circular" in text for text in texts(axes))
+    dashed = curves(axes)["kriged"]
+    circular = linear.circular()
+    lag = np.array(dashed)[:, 0]
+    np.testing.assert_allclose(np.array(dashed)[:, 1] * 1000.0, circular.rise(lag))
+
+
+def test_variograms_want_one_fit_a_layer(survey: Survey, fits: Fits) -> None:
+    with pytest.raises(ParameterError, match="7 fits for 8 layers"):
+        variograms(fits[:7], survey.soil_map)
+
+
+def test_profiles_go_down_with_one_line_a_sample_and_the_mean() -> None:
+    soil_map = layered([[500, 900, 1200], [700, 1100, 1400]], [[0] * 3] * 2)
+    (axes,) = profiles(soil_map).axes
+    bottom, top = axes.get_ylim()
+    assert bottom > top
+    expected = np.array([[600.0, 0.05], [1000.0, 0.15], [1300.0, 0.25]])
+    np.testing.assert_allclose(named(axes, "mean"), expected)
+    for sample in soil_map.samples:
+        assert any([x for x, _ in points(line)] == sample.kpa.tolist() for line in axes.lines)
+    assert {x for x, _ in named(axes, "2 MPa")} == {2000.0}
+
+
+def test_profiles_have_one_arrow_for_every_lower_bound_and_leave_it_out_of_the_mean() -> None:
+    nan = np.nan
+    soil_map = layered(
+        [[500, 1800, nan], [700, 1100, 1900], [600, 1000, 1300]],
+        [[0, AT_LEAST, UNREACHED], [0, 0, AT_LEAST], [0, 0, 0]],
+    )
+    (axes,) = profiles(soil_map).axes
+    arrows = np.array(named(axes, "at least (force limit)"))
+    np.testing.assert_allclose(arrows, np.array([[1800.0, 0.15], [1900.0, 0.25]]))
+    mean = np.array(named(axes, "mean"))[:, 0]
+    np.testing.assert_allclose(mean, np.array([600.0, 1050.0, 1300.0]))
+    assert {"3 of 3", "2 of 3", "1 of 3"} <= set(texts(axes))
+
+
+def test_profiles_variograms_and_learning_curves_are_legible(
+    survey: Survey, history: History, fits: Fits
+) -> None:
+    soil_map = survey.soil_map
+    assert_legible(profiles(soil_map, caption="a caption"))
+    assert_legible(variograms(fits, soil_map, caption="a caption"))
+    assert_legible(learning_curves(history, caption="a caption"))
+
+
+def test_figures_of_readings_are_png_files(survey: Survey, fits: Fits, tmp_path: Path) -> None:
+    paths = readings_figures(survey.soil_map, FIELD, fits, tmp_path)
+    assert [path.name for path in paths] == [
+        "depth_slices.png",
+        "std_dev.png",
+        "variograms.png",
+        "profiles.png",
+    ]
+    for path in paths:
+        assert path.read_bytes().startswith(b"\x89PNG")
+        assert 10_000 < path.stat().st_size < 600_000
+
+
+def test_figures_of_a_survey_have_learning_curves_only_with_a_history(
+    survey: Survey, history: History, fits: Fits, tmp_path: Path
+) -> None:
+    assert [path.stem for path in survey_figures(survey, (), fits, tmp_path)] == [
+        "depth_slices",
+        "std_dev",
+        "variograms",
+        "profiles",
+    ]
+    assert draw_survey(survey, history, fits).keys() >= {"learning_curves"}
+
+
+def test_a_refused_stop_of_a_survey_is_drawn(survey: Survey, fits: Fits) -> None:
+    free = next(k for k in range(96) if k not in survey.visited)
+    refusal = Refused(
+        agent="a", cell=free, at=(1, 1), reason="stone", metres=5, seconds=50, tries=3
+    )
+    figure = draw_survey(apply(survey, refusal), (), fits)["depth_slices"]
+    assert named(figure.axes[0], "refused") == [FIELD.cells[free].tolist()]
+
+
+def test_pictures_are_drawn_without_pyplot(
+    survey: Survey, history: History, fits: Fits, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    figures = draw_survey(survey, history, fits)
+    assert rendered(figures["profiles"])
+    assert rendered(figures["learning_curves"])
+
+
+def test_without_matplotlib_there_is_a_remedy(
+    survey: Survey, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(MissingExtraError, match=r"matplotlib.*subsoil\[plot\]"):
+        profiles(survey.soil_map)
