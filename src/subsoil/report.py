@@ -163,7 +163,7 @@ def page(
     """
     jinja2 = _jinja2()
     environment = jinja2.Environment(
-        autoescape=False, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     source = resources.files("subsoil").joinpath(_TEMPLATE).read_text(encoding="utf-8")
     text: str = environment.from_string(source).render(

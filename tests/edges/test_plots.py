@@ -239,10 +239,10 @@ def test_alike_values_can_be_drawn() -> None:
 
 
 def test_a_name_is_text_and_never_a_formula(survey: Survey) -> None:
-    field = replace(FIELD, name="$\\frac{oops")
+    field = replace(FIELD, name="$\\frac{oops$")
     figure = depth_slices(survey.soil_map, field, caption="50 $ a sample, 60 $ an hour")
     assert rendered(figure).startswith(b"\x89PNG")
-    assert any("$\\frac{oops" in text.get_text() for text in figure.texts)
+    assert any("$\\frac{oops$" in text.get_text() for text in figure.texts)
 
 
 @pytest.mark.parametrize("shape", CORNERS)
@@ -251,16 +251,23 @@ def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
     field = Field.from_metres(np.array(CORNERS[shape]) + UTM, crs="EPSG:32630", name=shape)
     bands = Layers(tuple(0.05 * k for k in range(layers + 1)))
     rng = np.random.default_rng(2)
-    states = np.arange(layers) % 3 if layers > 1 else np.zeros(1)
     samples = tuple(
-        Sample(tuple(at), rng.uniform(200, 2000, layers), np.array(state, dtype=np.int8))
-        for at, state in zip(field.cells[::40].tolist(), [states, 0 * states] * 50, strict=False)
+        Sample(
+            tuple(at),
+            rng.uniform(200, 2000, layers),
+            ((k + np.arange(layers)) % len(LayerState)).astype(np.int8),
+        )
+        for k, at in enumerate(field.cells[::40].tolist())
     )
     soil_map = SoilMap(field.cells, bands, (Spherical(1.0, 50.0, 9.0),) * layers, samples)
     figure = depth_slices(
         soil_map, field, way=soil_map.at, refused=field.cells[[5]], caption="a caption " * 8
     )
     assert_legible(figure)
+    for axes in panels(figure, layers):
+        (title,) = [text for text in axes.findobj(Text) if text.get_text() in bands.names]
+        above = title.get_window_extent().y0 - axes.bbox.y1
+        assert 0 < above < 0.1 * figure.dpi
 
 
 def assert_legible(figure: Figure) -> None:

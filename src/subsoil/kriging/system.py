@@ -25,7 +25,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotrf, dtrtri
 
 from subsoil.kriging.covariance import Covariance, lags
 from subsoil.kriging.readings import Readings
@@ -169,6 +168,8 @@ def factorised(readings: Readings, covariance: Covariance) -> tuple[System, NDAr
 
 def _inverse_factor(matrix: Floats) -> Floats:
     """Invert the Cholesky factor of a matrix; NaN where there is none."""
+    from scipy.linalg.lapack import dpotrf, dtrtri  # costs half of `import subsoil`
+
     n = len(matrix)
     if not n:
         return matrix
