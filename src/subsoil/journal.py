@@ -5,8 +5,8 @@ The ``events`` table is the truth. Layers ``boundary``, ``samples``, ``refusals`
 when :meth:`Journal.append` returns; a power cut at any byte loses none that was acknowledged.
 Each row carries a digest of itself and of all rows before it.
 
-Look at a running survey with GDAL or QGIS from another process than the one that writes: GDAL brings a
-sqlite of its own, and two of them in one process do not see each other's locks.
+Look at a running survey with GDAL or QGIS from another process than the one that writes: GDAL
+brings a sqlite of its own, and two of them in one process do not see each other's locks.
 """
 
 from __future__ import annotations

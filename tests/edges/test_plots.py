@@ -90,6 +90,11 @@ def named(axes: Axes, name: str) -> list[list[float]]:
     return points(line)
 
 
+def scale_bar(figure: Figure) -> Line2D:
+    (bar,) = [line for axes in figure.axes for line in axes.lines if line.get_gid() == "scale bar"]
+    return bar
+
+
 def rendered(figure: Figure) -> bytes:
     target = BytesIO()
     figure.savefig(target, dpi=40)
@@ -121,7 +126,7 @@ def test_slices_are_named_after_layers_with_metres_of_equal_length(survey: Surve
 
 def test_slices_have_a_scale_bar_of_its_stated_length_and_a_north_arrow(survey: Survey) -> None:
     figure = depth_slices(survey.soil_map, FIELD)
-    (bar,) = [line for axes in figure.axes for line in axes.lines if line.get_gid() == "scale bar"]
+    bar = scale_bar(figure)
     foot = bar.axes
     assert isinstance(foot, Axes)
     words = [text.get_text() for text in foot.texts]
@@ -264,6 +269,7 @@ def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
         soil_map, field, way=soil_map.at, refused=field.cells[[5]], caption="a caption " * 8
     )
     assert_legible(figure)
+    assert not scale_bar(figure).get_window_extent().overlaps(figure.legends[0].get_window_extent())
     for axes in panels(figure, layers):
         (title,) = [text for text in axes.findobj(Text) if text.get_text() in bands.names]
         above = title.get_window_extent().y0 - axes.bbox.y1

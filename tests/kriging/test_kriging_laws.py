@@ -104,9 +104,7 @@ def test_the_foreseen_fall_of_the_variance_is_the_one_that_comes(
     foreseen = estimate.variance_drop(candidates)
     for row, k in zip(foreseen, candidates, strict=True):
         after = estimate.append(targets[k], 99.0).prediction.variance
-        np.testing.assert_allclose(
-            estimate.prediction.variance - after, row, rtol=1e-7, atol=1e-8
-        )
+        np.testing.assert_allclose(estimate.prediction.variance - after, row, rtol=1e-7, atol=1e-8)
 
 
 @given(models, seeds, exactness, st.floats(-100, 100), st.floats(0.1, 10))
@@ -171,9 +169,7 @@ def test_values_that_branch_from_one_another_do_not_touch_each_other(
 
 
 @given(models, seeds, st.integers(1, 4), exactness)
-def test_layers_are_kriged_as_each_alone(
-    model: Variogram, seed: int, m: int, exact: bool
-) -> None:
+def test_layers_are_kriged_as_each_alone(model: Variogram, seed: int, m: int, exact: bool) -> None:
     at, z, targets = readings(seed, 6, m)
     together = condition(model, at, z, exact=exact).predict(targets)
     one_each = condition([model] * m, at, z, exact=exact).predict(targets)

@@ -81,7 +81,9 @@ class Stretch:
         hit = gap == 0.0
         if len(self) <= NODES:
             return hit.astype(float)
-        weights = np.where(hit.any(axis=1, keepdims=True), hit, _BARYCENTRIC / np.where(hit, 1.0, gap))
+        weights = np.where(
+            hit.any(axis=1, keepdims=True), hit, _BARYCENTRIC / np.where(hit, 1.0, gap)
+        )
         weights /= weights.sum(axis=1, keepdims=True)
         return weights
 
@@ -121,10 +123,11 @@ class Box:
         """Number of cells."""
         return len(self.north) * len(self.east)
 
-    @cached_property
-    def nodes(self) -> int:
-        """Number of nodes."""
-        return len(self.north.nodes) * len(self.east.nodes)
+    @property
+    def part_nodes(self) -> int:
+        """Number of nodes of all parts."""
+        rows, columns = (sum(len(part.nodes) for part in parts) for parts in self.parts)
+        return rows * columns
 
     @property
     def part(self) -> tuple[slice, slice]:
@@ -132,13 +135,14 @@ class Box:
         north, east = self.north, self.east
         return slice(north.start, north.stop), slice(east.start, east.stop)
 
-    def split(self) -> list[Box]:
-        """Halve the longer side, or both where neither is twice the other."""
+    @cached_property
+    def parts(self) -> tuple[tuple[Stretch, ...], tuple[Stretch, ...]]:
+        """Rows and columns with the longer side halved, or both if neither is twice the other."""
         tall = len(self.north) > 1 and 2.0 * self.north.half > self.east.half
         wide = len(self.east) > 1 and 2.0 * self.east.half > self.north.half
         rows = self.north.halves if tall else (self.north,)
         columns = self.east.halves if wide else (self.east,)
-        return [Box(north, east) for north in rows for east in columns]
+        return rows, columns
 
     def span(self, at: Floats) -> tuple[Floats, Floats]:
         """(n,) squared distances from (n, 2) places to the nearest and furthest point, in m2."""

@@ -37,7 +37,9 @@ class Covariance:
     @cached_property
     def psill(self) -> Floats:
         """(g,) partial sills; 0 for an unbounded model."""
-        return np.array([v.sill - v.nugget if np.isfinite(v.sill) else 0.0 for v in self.variograms])
+        return np.array(
+            [v.sill - v.nugget if np.isfinite(v.sill) else 0.0 for v in self.variograms]
+        )
 
     @cached_property
     def nugget(self) -> Floats:

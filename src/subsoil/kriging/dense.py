@@ -71,7 +71,7 @@ def _mapped(system: System, grid: Box, mean: Floats, variance: Floats, run: Run)
     if grid.cells > _DIRECT:
         for error in _ERRORS:
             tiler = Tiler(system, grid.east.at, grid.north.at, error)
-            run(lambda job: tiler.fill(*job, mean, variance[0]), tiler.tiles())
+            run(lambda tile: tiler.fill(tile, mean, variance[0]), tiler.tiles())
             _reset_readings(system, grid, mean, variance)
             spot_check = _spot_check(system, grid, mean, variance)
             if spot_check <= _ACCEPTED:

@@ -81,9 +81,7 @@ class Estimate:
         if here.size:
             pins = np.concatenate([pins, np.column_stack([here, np.full(here.size, n)])])
         pin(ok.system.readings, pins, mean, variance)
-        return _sound(
-            Estimate(ok, self.targets, self.base, self.v.append(v), mean, variance, pins)
-        )
+        return _sound(Estimate(ok, self.targets, self.base, self.v.append(v), mean, variance, pins))
 
     def variance_drop(self, candidates: ArrayLike) -> Floats:
         """By how much the variance falls everywhere if one of these targets were probed next.

@@ -140,9 +140,7 @@ class OrdinaryKriging:
         if border.sound:
             return self.grown(border, at, z, noise)
         readings = system.readings.joined(at, z, noise)
-        return _conditioned(
-            readings, system.covariance, self.layered, self.invalid, self.notes
-        )
+        return _conditioned(readings, system.covariance, self.layered, self.invalid, self.notes)
 
     def grown(self, border: Border, at: Floats, z: Floats, noise: Floats) -> OrdinaryKriging:
         """Condition on one more reading whose border is known and sound."""
@@ -193,9 +191,7 @@ class OrdinaryKriging:
         )
         covariance = replace(self.system.covariance, variograms=variograms)
         notes = (*self.notes, _circular_note(models))
-        return _conditioned(
-            self.system.readings, covariance, self.layered, self.invalid, notes
-        )
+        return _conditioned(self.system.readings, covariance, self.layered, self.invalid, notes)
 
     def prediction(self, mean: Floats, variance: Floats) -> Prediction:
         """Shape (m, ...) means and (g, ...) variances as the values came; NaN where not valid."""

@@ -83,7 +83,9 @@ def _short(tried: Smoothness, half: float) -> Floats:
     """Return (k, 2) places whose furthest point of a box is a guard short of a break."""
     reach = np.array([lag - tried.guard * more for lag in tried.breaks for more in _MORE])
     places = [
-        np.column_stack([np.sqrt(np.maximum(reach**2 - (y + half) ** 2, 0.0)) - half, 0.0 * reach + y])
+        np.column_stack(
+            [np.sqrt(np.maximum(reach**2 - (y + half) ** 2, 0.0)) - half, 0.0 * reach + y]
+        )
         for y in (0.0, 0.5 * half, half)
     ]
     aslant = reach * sqrt(0.5) - half

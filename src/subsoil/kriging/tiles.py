@@ -7,9 +7,9 @@ With c the covariances of a cell with all readings, mean and variance are polyno
 
 Seen from a box of cells, most readings are far enough away for c to be
 smooth. What these contribute is computed at Chebyshev nodes of the box and interpolated; the
-others are computed from cell to cell. Going from the whole grid down to tiles, a box inherits
-from the one around it by interpolation, which loses nothing, and *absorbs* the readings that are
-smooth over it and were not before. The idea is that of the fast multipole method
+others are computed from cell to cell. Going from the whole grid down to tiles, the parts of a box
+inherit from it by interpolation, which loses nothing, and *absorb* the readings that are smooth
+over them and were not before. The idea is that of the fast multipole method
 (Greengard & Rokhlin 1987) with interpolation for the expansion (Fong & Darve 2009), carried over
 to the quadratic form of the variance.
 """
@@ -18,12 +18,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise, product
 from math import ceil, log2
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.kriging.chebyshev import NODES, Box, Stretch, squared_lags, to_cells, to_nodes
+from subsoil.kriging.chebyshev import Box, Stretch, squared_lags, to_cells, to_nodes
 from subsoil.kriging.covariance import Shape
 from subsoil.kriging.smoothness import Smoothness, smoothness
 from subsoil.kriging.system import System
@@ -37,8 +38,25 @@ _LARGEST = 1 << 14
 """Cells of the largest tile."""
 _PAIR = 0.012
 """Work on a pair of readings at a cell, in evaluations of a covariance."""
-_BOX = 8e4
-"""Fixed work on a box, in evaluations of a covariance."""
+_SPLIT = 8e4
+"""Fixed work on splitting a tile, in evaluations of a covariance."""
+
+
+@dataclass(frozen=True)
+class View:
+    """How r readings look from a box; those neither rough nor smooth have no covariance there.
+
+    Attributes
+    ----------
+    box
+        The cells.
+    rough, smooth
+        (r,) readings whose covariance has, or has not, to be computed cell by cell.
+    """
+
+    box: Box
+    rough: Bools
+    smooth: Bools
 
 
 @dataclass(frozen=True)
@@ -50,7 +68,7 @@ class Tile:
     Attributes
     ----------
     box
-        Where the tile holds.
+        The cells.
     fields
         (p, 1 + k + r, q) height, k constants and linear at the p x q nodes of the box: what
         readings that were absorbed made of them.
@@ -69,59 +87,66 @@ class Tile:
     def __len__(self) -> int:
         return len(self.at)
 
-    @property
-    def first(self) -> int:
-        """Index of the first linear field."""
-        return 1 + len(self.slope)
+    def split(self, views: list[View], shape: Shape) -> list[Tile]:
+        """Tiles of the parts of the box, as the readings look from each."""
+        north, east = self.box.parts
+        fields = _interpolated(
+            self.fields,
+            np.concatenate([to_nodes(self.box.north, part) for part in north]),
+            np.concatenate([to_nodes(self.box.east, part) for part in east]),
+        )
+        corners = list(product(_slices(north), _slices(east)))
+        if any(view.smooth.any() for view in views):
+            rows, columns = (np.concatenate([part.nodes for part in x]) for x in (north, east))
+            c = _covariances(self.at, rows, columns, shape)
+            on_grid = c.reshape(len(self), len(rows), len(columns))
+            for view, (row, column) in zip(views, corners, strict=True):
+                on_grid[:, row, column] *= view.smooth[:, None, None]
+            self._absorb(c, fields, 2.0)
+        return [
+            self._part(view, fields[row, :, column])
+            for view, (row, column) in zip(views, corners, strict=True)
+        ]
 
-    def only(self, kept: Bools) -> Tile:
-        """Tile without some of its readings, whose covariance is zero."""
-        if kept.all():
-            return self
-        stay = np.flatnonzero(kept)
-        rows = np.concatenate([np.arange(self.first), self.first + stay])
-        return self._of(self.box, self.fields.take(rows, axis=1), stay)
-
-    def absorb(self, box: Box, kept: Bools, smooth: Bools, shape: Shape) -> Tile:
-        """Tile of a box within, with readings kept or absorbed; others have no covariance."""
-        first, stay, go = self.first, np.flatnonzero(kept), np.flatnonzero(smooth)
-        left = first + len(stay)
-        rows = np.concatenate([np.arange(first), first + stay, first + go])
-        north, east = to_nodes(self.box.north, box.north), to_nodes(self.box.east, box.east)
-        fields = _interpolated(self.fields.take(rows, axis=1), north, east)
-        c = _covariances(self.at[go], box.north.nodes, box.east.nodes, shape)
-        gram = self.gram.take(go, axis=0)
-        linear = gram.take(go, axis=1) @ c
-        grid = -1, len(north), len(east)
-        by_field = fields.swapaxes(0, 1)
-        linear.reshape(grid)[...] += by_field[left:]
-        by_field[0] += np.einsum("ij,ij->j", c, linear).reshape(grid)[0]
-        by_field[1:first] += (self.slope[:, go] @ c).reshape(grid)
-        by_field[first:left] += 2.0 * (gram.take(stay, axis=1).T @ c).reshape(grid)
-        return self._of(box, fields[:, :left], stay)
-
-    def _of(self, box: Box, fields: Floats, stay: NDArray[np.intp]) -> Tile:
-        gram = self.gram.take(stay, axis=0).take(stay, axis=1)
-        return Tile(box, fields, self.at[stay], self.slope[:, stay], gram)
-
-    def evaluate(self, box: Box, mean: Floats, variance: Floats, shape: Shape) -> None:
-        """Write the (k, ny, nx) means and (ny, nx) variances of a box into those of a grid."""
-        first, (rows, columns) = self.first, box.part
-        north, east = to_cells(self.box.north, box.north), to_cells(self.box.east, box.east)
+    def evaluate(self, mean: Floats, variance: Floats, shape: Shape) -> None:
+        """Write the means and variances of the box into (k, ny, nx) and (ny, nx) of a grid."""
+        box, (rows, columns) = self.box, self.box.part
+        north, east = to_cells(box.north, box.north), to_cells(box.east, box.east)
         step = max(1, _STRIP // max(1, len(self) * len(east)))
         for start in range(0, len(north), step):
             strip = slice(start, min(start + step, len(north)))
-            by_field = _interpolated(self.fields, north[strip], east).swapaxes(0, 1)
+            fields = _interpolated(self.fields, north[strip], east)
             if len(self):
-                grid = -1, *by_field.shape[1:]
                 c = _covariances(self.at, box.north.at[strip], box.east.at, shape)
-                linear = self.gram @ c
-                linear.reshape(grid)[...] += by_field[first:]
-                by_field[0] += np.einsum("ij,ij->j", c, linear).reshape(grid)[0]
-                by_field[1:first] += (self.slope @ c).reshape(grid)
+                self._absorb(c, fields, 0.0)
             part = slice(rows.start + strip.start, rows.start + strip.stop), columns
-            np.negative(by_field[0], out=variance[part])
-            mean[:, part[0], part[1]] = by_field[1:first]
+            np.negative(fields[:, 0], out=variance[part])
+            mean[:, part[0], part[1]] = fields[:, 1 : 1 + len(mean)].swapaxes(0, 1)
+
+    def _absorb(self, c: Floats, fields: Floats, pairs: float) -> None:
+        """Add to (p, 1 + k + r, q) fields what covariances (r, p q) contribute there."""
+        first = 1 + len(self.slope)
+        by_field = fields.swapaxes(0, 1)
+        grid = -1, *by_field.shape[1:]
+        gram = self.gram @ c
+        linear = gram.reshape(grid) + by_field[first:]
+        by_field[0] += np.einsum("ij,ij->j", c, linear.reshape(c.shape)).reshape(grid)[0]
+        by_field[1:first] += (self.slope @ c).reshape(grid)
+        if pairs:
+            by_field[first:] += pairs * gram.reshape(grid)
+
+    def _part(self, view: View, fields: Floats) -> Tile:
+        stay = np.flatnonzero(view.rough)
+        first = 1 + len(self.slope)
+        rows = np.concatenate([np.arange(first), first + stay])
+        gram = self.gram.take(stay, axis=0).take(stay, axis=1)
+        return Tile(view.box, fields.take(rows, axis=1), self.at[stay], self.slope[:, stay], gram)
+
+
+def _slices(parts: tuple[Stretch, ...]) -> list[slice]:
+    """Where the nodes of some stretches are among the nodes of all."""
+    ends = np.cumsum([0, *(len(part.nodes) for part in parts)])
+    return [slice(a, b) for a, b in pairwise(ends)]
 
 
 def _covariances(at: Floats, north: Floats, east: Floats, shape: Shape) -> Floats:
@@ -160,43 +185,49 @@ class Tiler:
         east = Stretch(easting / length, 0, len(easting))
         self._whole = _whole(system, self._shape, Box(north, east))
 
-    def tiles(self) -> list[tuple[Tile, Box]]:
-        """Boxes that are filled independently of each other, and the tiles they lie in."""
-        return list(self._parts(self._whole, self._whole.box))
+    def tiles(self) -> list[Tile]:
+        """Tiles of the whole grid that are filled independently of each other."""
+        return list(self._small(self._whole))
 
-    def fill(self, tile: Tile, box: Box, mean: Floats, variance: Floats) -> None:
-        """Write means (k, ny, nx) and variances (ny, nx) of a box into those of the grid."""
-        tile = self._narrowed(tile, box)
-        work = len(tile) * (1.0 + _PAIR * len(tile))
-        if box.cells * work > 4.0 * (_BOX + NODES**2 * work):
-            for part in box.split():
-                self.fill(tile, part, mean, variance)
+    def fill(self, tile: Tile, mean: Floats, variance: Floats) -> None:
+        """Write the means and variances of a tile into (k, ny, nx) and (ny, nx) of the grid."""
+        cells, nodes = tile.box.cells, tile.box.part_nodes
+        most = _work(cells, len(tile)) - _SPLIT - _work(nodes, len(tile))
+        views = self._views(tile) if most > 0.0 else []
+        rest = sum(_work(view.box.cells, int(view.rough.sum())) for view in views)
+        if most > rest:
+            for part in tile.split(views, self._shape):
+                self.fill(part, mean, variance)
         else:
-            tile.evaluate(box, mean, variance, self._shape)
+            tile.evaluate(mean, variance, self._shape)
 
-    def _parts(self, tile: Tile, box: Box) -> Iterator[tuple[Tile, Box]]:
-        if box.cells <= _LARGEST:
-            yield tile, box
-            return
-        tile = self._narrowed(tile, box)
-        for part in box.split():
-            yield from self._parts(tile, part)
+    def _small(self, tile: Tile) -> Iterator[Tile]:
+        if tile.box.cells <= _LARGEST:
+            yield tile
+        else:
+            for part in tile.split(self._views(tile), self._shape):
+                yield from self._small(part)
 
-    def _narrowed(self, tile: Tile, box: Box) -> Tile:
-        """Tile for a box within: absorb what is smooth over it, if that is worth it."""
-        nearest, furthest = box.span(tile.at)
+    def _views(self, tile: Tile) -> list[View]:
+        """How the readings of a tile look from the parts of its box."""
+        return [self._view(tile.at, Box(*part)) for part in product(*tile.box.parts)]
+
+    def _view(self, at: Floats, box: Box) -> View:
+        nearest, furthest = box.span(at)
         touching = nearest < self._shape.end**2
-        rough = self._at(box.half).rough(nearest, furthest) & touching
-        smooth = touching & ~rough
-        if box.cells < 2 * box.nodes or smooth.sum() <= 0.25 * len(tile):
-            return tile.only(touching)
-        return tile.absorb(box, rough, smooth, self._shape)
+        rough = touching & self._smoothness_at(box.half).rough(nearest, furthest)
+        return View(box, rough, touching & ~rough)
 
-    def _at(self, half: float) -> Smoothness:
+    def _smoothness_at(self, half: float) -> Smoothness:
         size = ceil(16.0 * log2(half)) if half > 0.0 else -1024
         if size not in self._smoothness:
             self._smoothness[size] = smoothness(self._shape, 2.0 ** (size / 16.0), self._error)
         return self._smoothness[size]
+
+
+def _work(cells: int, readings: int) -> float:
+    """Work on some cells and all pairs of some readings, in evaluations of a covariance."""
+    return cells * readings * (1.0 + _PAIR * readings)
 
 
 def _whole(system: System, shape: Shape, box: Box) -> Tile:

@@ -50,7 +50,7 @@ def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> 
             where="variograms",
             remedy="give one a layer",
         )
-    layout = sheet(len(fits), 1.3, strip=0.8, across=0.1, left=0.65, right=0.2, bottom=0.5)
+    layout = sheet(len(fits), 1.3, strip=0.8, across=0.52, left=0.65, right=0.2, bottom=0.5)
     legend = "small numbers: pairs of samples in each bin"
     figure = blank(layout.size, "Variograms", "; ".join(filter(None, (caption, legend))))
     reach = _reach(fits)
