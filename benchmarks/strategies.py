@@ -51,7 +51,8 @@ EXPECTED = {
     "adaptive-greedy": ((55.5, 52.3, 46.9, 38.3), (NO, NO, 1220, 2376)),
 }
 """The same of 60 other fields, whose surrogates were kriged with the bounded linear model as it
-stands, valid in the plane or not. That makes some of them rougher, and all RMSE 3 to 7 kPa higher.
+stands, valid in the plane or not. That makes some of them rough, and the RMSE of all strategies
+2 to 6 kPa higher than on surrogates of the same samples that were kriged with a valid model.
 """
 
 

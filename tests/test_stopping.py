@@ -11,18 +11,18 @@ from hypothesis import strategies as st
 from subsoil.errors import ParameterError
 from subsoil.stopping import Limits, Spent
 
-ON_THE_WAY = Spent(samples=5, metres=120.0, minutes=10.0, mean_kv=900.0)
+ON_THE_WAY = Spent(samples=15, metres=120.0, minutes=10.0, mean_kv=900.0)
 
 
 def test_nothing_is_reached_on_the_way() -> None:
     assert Limits().reached(ON_THE_WAY) == ""
-    assert Limits(6, 121.0, 11.0, 899.0).reached(ON_THE_WAY) == ""
+    assert Limits(16, 121.0, 11.0, 899.0).reached(ON_THE_WAY) == ""
 
 
 @pytest.mark.parametrize(
     ("limits", "why"),
     [
-        (Limits(samples=5), "5 samples taken"),
+        (Limits(samples=15), "15 samples taken"),
         (Limits(metres=120), "120 metres driven"),
         (Limits(minutes=10), "10 minutes spent"),
         (Limits(mean_kv=900), "mean kriging variance at 900 kPa2"),
@@ -35,6 +35,12 @@ def test_a_limit_counts_from_the_moment_it_is_met(limits: Limits, why: str) -> N
 
 def test_before_the_first_sample_no_variance_is_good_enough() -> None:
     assert Limits(mean_kv=1e9).reached(Spent(0, 0.0, 0.0, nan)) == ""
+
+
+def test_a_dozen_samples_come_before_any_variance_is_good_enough() -> None:
+    limits = Limits(mean_kv=1000.0)
+    assert limits.reached(Spent(11, 0.0, 0.0, 1.0)) == ""
+    assert limits.reached(Spent(12, 0.0, 0.0, 1.0)) == "mean kriging variance at 1000 kPa2"
 
 
 @given(st.integers(0, 60), st.floats(0, 5000), st.floats(0, 600), st.floats(1, 1e5) | st.just(nan))

@@ -7,6 +7,9 @@ from math import inf, isnan
 
 from subsoil.errors import ParameterError
 
+FEWEST_FOR_KV = 12
+"""Samples before which no kriging variance is a reason to stop."""
+
 
 @dataclass(frozen=True)
 class Spent:
@@ -41,8 +44,9 @@ class Limits:
     metres, minutes
         Way in m and time in min.
     mean_kv
-        Mean kriging variance in kPa2 at or below which the map is good enough. It does not depend
-        on how well the variograms fit the soil: a target, not a promise.
+        Mean kriging variance in kPa2 at or below which the map is good enough, from the twelfth
+        sample on: variograms of fewer say little. It does not depend on how well the variograms
+        fit the soil: a target, not a promise.
 
     Raises
     ------
@@ -76,6 +80,6 @@ class Limits:
             return f"{self.metres:g} metres driven"
         if spent.minutes >= self.minutes:
             return f"{self.minutes:g} minutes spent"
-        if spent.mean_kv <= self.mean_kv:
+        if spent.samples >= FEWEST_FOR_KV and spent.mean_kv <= self.mean_kv:
             return f"mean kriging variance at {self.mean_kv:g} kPa2"
         return ""

@@ -395,12 +395,24 @@ def test_variograms_show_the_circular_model_where_kriging_had_to_use_it() -> Non
     )
     soil_map = SoilMap(FIELD.cells, Layers((0.0, 0.2)), (linear,), samples)
     fitted = LeastSquares(BoundedLinear)(soil_map.at, soil_map.kpa)
-    (axes,) = variograms([replace(fitted[0], variogram=linear)], soil_map).axes
+    figure = variograms([replace(fitted[0], variogram=linear)], soil_map)
+    (axes,) = figure.axes
     assert any("kriged as circular" in text for text in texts(axes))
     dashed = curves(axes)["kriged"]
     circular = linear.circular()
     lag = np.array(dashed)[:, 0]
     np.testing.assert_allclose(np.array(dashed)[:, 1] * 1000.0, circular.rise(lag))
+
+
+def test_pairs_of_close_bins_are_written_apart() -> None:
+    rng = np.random.default_rng(0)
+    samples = tuple(
+        Sample(tuple(at), rng.uniform(300, 2000, 8), np.zeros(8, np.int8))
+        for at in rng.choice(FIELD.cells, 60, replace=False)
+    )
+    models = (Spherical(100.0, 30.0, 5000.0),) * 8
+    soil_map = SoilMap(FIELD.cells, Layers(), models, samples)
+    assert_legible(variograms(LeastSquares(Spherical)(soil_map.at, soil_map.kpa), soil_map))
 
 
 def test_variograms_want_one_fit_a_layer(survey: Survey, fits: Fits) -> None:

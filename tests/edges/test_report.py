@@ -15,7 +15,7 @@ import pytest
 from subsoil.errors import MissingExtraError, ReadingsError
 from subsoil.events import Opened
 from subsoil.layers import LayerState, Sample
-from subsoil.report import Progress, page, write_report
+from subsoil.report import Progress, render, write_report
 from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey, apply, opened
 from subsoil.variogram import BoundedLinear, Fit
@@ -68,7 +68,7 @@ def parsed(html: str) -> Page:
 
 def words_of(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> str:
     """Text of the page without its pictures."""
-    return parsed(page(survey, history, fits, ())).text
+    return parsed(render(survey, history, fits, ())).text
 
 
 def test_a_report_holds_its_pictures_and_they_lie_beside_it(
@@ -129,13 +129,13 @@ def test_a_report_has_a_row_for_every_layer_with_the_reason_of_its_variogram(
 def test_a_hostile_name_stays_text(survey: Survey, history: History, fits: Fits) -> None:
     name = "<script>alert('$x_{')</script> & \"Söhne\""
     changed = replace(survey, name=name, field=replace(survey.field, name=name))
-    found = parsed(page(changed, history, fits, ()))
+    found = parsed(render(changed, history, fits, ()))
     assert "script" not in found.tags
     assert found.text.count(name) >= 2
 
 
 def test_a_title_is_used_as_given(survey: Survey, history: History, fits: Fits) -> None:
-    html = page(survey, history, fits, (), title="Spring <2024>")
+    html = render(survey, history, fits, (), title="Spring <2024>")
     assert parsed(html).text.startswith("Spring <2024>")
 
 
@@ -211,4 +211,4 @@ def test_without_jinja_there_is_a_remedy(
 ) -> None:
     monkeypatch.setitem(sys.modules, "jinja2", None)
     with pytest.raises(MissingExtraError, match=r"jinja2.*subsoil\[plot\]"):
-        page(survey, history, fits, ())
+        render(survey, history, fits, ())

@@ -91,12 +91,15 @@ class Reader:
 
 @dataclass
 class Course:
-    """Recorder that keeps each event with the state before it."""
+    """Recorder that keeps each event with the state before it, three to a cell at most."""
 
     state: Survey
     steps: list[tuple[Survey, Event]] = field(default_factory=list)
 
     def append(self, event: Event, survey: Survey) -> None:
+        assert len(self.steps) < 20 + 3 * len(survey.field.cells), (
+            "the survey goes round in circles"
+        )
         self.steps.append((self.state, event))
         self.state = survey
 

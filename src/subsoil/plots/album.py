@@ -21,7 +21,7 @@ from subsoil.variogram import Fit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from subsoil.report import Progress
+    from subsoil.report.progress import Progress
 
 DPI = 150
 """Dots per inch of a PNG file."""

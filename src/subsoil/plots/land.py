@@ -100,7 +100,7 @@ def draw_scale(figure: Figure, sheet: Sheet, field: Field) -> None:
     west, _, east, _ = frame(field)
     inch = (east - west) / sheet.width
     metres = round_length(1.3 * inch)
-    foot = place(figure, sheet.corner, 0.0, SCALE_WIDTH, sheet.bottom)
+    foot = place(figure, sheet.left, 0.0, SCALE_WIDTH, sheet.bottom)
     foot.set_xlim(0, SCALE_WIDTH)
     foot.set_ylim(0, sheet.bottom)
     foot.set_axis_off()

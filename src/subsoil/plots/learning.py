@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from subsoil.report import Progress
+    from subsoil.report.progress import Progress
 
 Floats = NDArray[np.float64]
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 _THOUSAND = 1000.0
+_CLOSE = 0.1
+"""Share of a panel's width in which two numbers do not fit side by side."""
 
 
 def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> Figure:
@@ -116,7 +118,7 @@ def _draw(axes: Axes, fit: Fit, used: Variogram, reach: float) -> None:
             bins.lag, bins.semivariance / _THOUSAND, s=size, color=INK, alpha=0.7, clip_on=False
         )
     top = max(model.sill, bins.semivariance.max(initial=0.0)) / _THOUSAND
-    axes.set(xlim=(0, reach), ylim=(0, 1.22 * top))
+    axes.set(xlim=(0, reach), ylim=(0, 1.25 * top))
     _count_pairs(axes, bins.lag, bins.pairs)
     axes.locator_params(axis="y", nbins=5)
     axes.yaxis.set_major_formatter("{x:g}")
@@ -132,9 +134,12 @@ def _write(axes: Axes, words: str, colour: str, *, up: float) -> None:
 
 
 def _count_pairs(axes: Axes, lag: Floats, pairs: NDArray[np.int64]) -> None:
-    """Write the pairs of each bin above it."""
+    """Write the pairs of each bin above it, a line lower where the last one is close."""
+    lower, last = False, -np.inf
     for x, number in zip(lag, pairs, strict=True):
+        lower = not lower and x - last < _CLOSE * axes.get_xlim()[1]
+        last = x
         axes.text(
-            x, 0.99, str(number), size=6, color=FAINT, ha="center", va="top",
-            transform=axes.get_xaxis_transform(), gid="pairs",
+            x, 0.935 if lower else 0.995, str(number), size=6, color=FAINT, ha="center",
+            va="top", transform=axes.get_xaxis_transform(), gid="pairs",
         )  # fmt: skip

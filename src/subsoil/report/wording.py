@@ -1,0 +1,135 @@
+"""What a report says: its tables and its notes, as text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from subsoil.layers import LayerState
+from subsoil.plots.semivariance import kriged_with, remark
+from subsoil.report.progress import Progress
+from subsoil.soilmap import SoilMap
+from subsoil.survey import Survey
+from subsoil.uncertainty import standard_deviation
+from subsoil.variogram import Fit, name_of
+
+
+@dataclass(frozen=True)
+class Row:
+    """A layer in the table of layers, as text."""
+
+    name: str
+    numbers: tuple[str, ...]
+    model: str
+    parameters: tuple[str, ...]
+    why: str
+    remark: str
+
+
+def headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str, str]]:
+    """Names and values of the first table."""
+    field = survey.field
+    yield "Field", field.name
+    yield "Area", f"{field.area_ha:.2f} ha, {len(field.cells)} cells of {field.cell_size:g} m"
+    yield "CRS", field.crs or "none: a local frame"
+    yield "Samples", str(len(survey.visited))
+    yield "Stops without a reading", str(len(survey.refused))
+    yield "Way driven", f"{survey.metres:.0f} m"
+    yield "Time", f"{survey.minutes:.0f} min"
+    yield "Mean kriging variance", _variance(survey.mean_kv)
+    if history and math.isfinite(history[-1].rmse):
+        last = history[-1]
+        after = _count(last.samples, "sample", "samples")
+        yield "RMSE", f"{last.rmse:.0f} kPa against the simulated truth after {after}"
+    for settings in survey.settings[-1:]:
+        yield "Strategy", settings.strategy
+        every = f"{settings.refit_every} samples" if settings.refit_every > 1 else "sample"
+        yield "Estimator", f"{settings.estimator}, fitted anew every {every}"
+        yield "Seed", str(settings.seed)
+        yield "World", settings.world
+    yield "Cone", f"{survey.cone.area_mm2:g} mm², {survey.cone.angle_deg:g}°"
+    yield (
+        "State",
+        survey.finished or f"under way, {_count(len(survey.plan), 'stop', 'stops')} planned",
+    )
+
+
+def _variance(kpa2: float) -> str:
+    if math.isnan(kpa2):
+        return "unknown: one sample tells no variance"
+    return f"{kpa2:,.0f} kPa², a standard deviation of {float(standard_deviation(kpa2)):.0f} kPa"
+
+
+def rows(survey: Survey, fits: Sequence[Fit]) -> tuple[Row, ...]:
+    """Table of layers: mean and spread of the map, its standard deviation, and its variogram."""
+    soil_map = survey.soil_map
+    deviation = standard_deviation(soil_map.variance)
+    used = kriged_with(soil_map)
+    return tuple(
+        Row(
+            name,
+            _whole(
+                np.isfinite(soil_map.kpa[k]).sum(),
+                soil_map.mean[k].mean(),
+                soil_map.mean[k].std(),
+                deviation[k].mean(),
+            ),
+            name_of(fit.variogram),
+            _whole(fit.variogram.nugget, fit.variogram.sill, fit.variogram.range),
+            fit.why,
+            remark(fit, used[k]),
+        )
+        for k, (name, fit) in enumerate(zip(soil_map.layers.names, fits, strict=True))
+    )
+
+
+def _whole(*numbers: float) -> tuple[str, ...]:
+    """Whole numbers as text, with a dash where there is none."""
+    return tuple(f"{number:,.0f}" if math.isfinite(number) else "–" for number in numbers)
+
+
+def notes(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> Iterator[str]:
+    """What a reader has to know before trusting the map."""
+    soil_map = survey.soil_map
+    yield (
+        "The standard deviation takes the variograms for known. They were estimated from these "
+        "samples, so the true uncertainty is larger, most of all with few samples."
+    )
+    if len(soil_map.samples) == 1:
+        yield "One sample tells no variance: standard deviations follow from an assumed sill."
+    if priors := sum(fit.is_prior for fit in fits):
+        yield (
+            f"In {priors} of {_count(len(fits), 'layer', 'layers')} there is too little to fit a "
+            "variogram to: it is a prior, and the standard deviation follows from it."
+        )
+    if bounds := _pushes(soil_map, LayerState.AT_LEAST):
+        yield (
+            f"The force limit ended {_count(bounds, 'push', 'pushes')} inside a layer. Such lower "
+            "bounds are shown but not kriged: where soil is hardest the map is likely too soft."
+        )
+    if short := _pushes(soil_map, LayerState.UNREACHED):
+        pushes = _count(short, "push", "pushes")
+        yield f"{pushes} did not reach the deepest layer: deeper layers have fewer samples."
+    if survey.refused:
+        yield (
+            f"{_count(len(survey.refused), 'stop', 'stops')} gave no reading: a cross on the map, "
+            "not on the line, though metres and minutes count."
+        )
+    if history and math.isfinite(history[-1].rmse):
+        yield (
+            "The truth is simulated, and its error says how the survey did on that soil. It does "
+            "not say how it would do on another field."
+        )
+    yield from soil_map.notes
+
+
+def _pushes(soil_map: SoilMap, state: LayerState) -> int:
+    """Count the samples with a layer in a state."""
+    return sum(bool((sample.state == state).any()) for sample in soil_map.samples)
+
+
+def _count(number: int, one: str, several: str) -> str:
+    return f"{number} {one if number == 1 else several}"
