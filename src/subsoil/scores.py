@@ -80,9 +80,8 @@ def leave_one_out(ok: OrdinaryKriging) -> LeaveOneOut:
 
     With K the covariance of the readings, noise included, and
     B = K^-1 - K^-1 1 1' K^-1 / (1' K^-1 1): residual = (B z)_i / B_ii, variance = 1 / B_ii. In
-    differences d = D z to the first reading, as :mod:`subsoil.kriging.system` keeps them,
-    B = D' W' W D.
-    Readings at one place were averaged, and are left out together.
+    differences D z to the first reading, as :mod:`subsoil.kriging.system` keeps them,
+    B = D' W' W D. Readings at one place were averaged, and are left out together.
 
     Parameters
     ----------

@@ -80,8 +80,8 @@ class Stretch:
         gap = at[:, None] - self.nodes
         hit = gap == 0.0
         if len(self) <= NODES:
-            return hit.astype(float)
-        weights = np.where(
+            return hit.astype(np.float64)
+        weights: Floats = np.where(
             hit.any(axis=1, keepdims=True), hit, _BARYCENTRIC / np.where(hit, 1.0, gap)
         )
         weights /= weights.sum(axis=1, keepdims=True)

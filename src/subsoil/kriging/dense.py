@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -71,7 +72,7 @@ def _mapped(system: System, grid: Box, mean: Floats, variance: Floats, run: Run)
     if grid.cells > _DIRECT:
         for error in _ERRORS:
             tiler = Tiler(system, grid.east.at, grid.north.at, error)
-            run(lambda tile: tiler.fill(tile, mean, variance[0]), tiler.tiles())
+            run(partial(tiler.fill, mean=mean, variance=variance[0]), tiler.tiles())
             _reset_readings(system, grid, mean, variance)
             spot_check = _spot_check(system, grid, mean, variance)
             if spot_check <= _ACCEPTED:

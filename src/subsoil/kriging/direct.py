@@ -84,4 +84,5 @@ def pin(readings: Readings, pins: NDArray[np.intp], mean: Floats, variance: Floa
 def _combined(y: Floats, v: Floats) -> Floats:
     """(m, N) products of (m, n) rows with (g, n, N), g being m or 1."""
     groups, n, targets = v.shape
-    return np.matmul(y.reshape(groups, len(y) // groups, n), v).reshape(len(y), targets)
+    product: Floats = np.matmul(y.reshape(groups, len(y) // groups, n), v)
+    return product.reshape(len(y), targets)

@@ -69,19 +69,21 @@ class Estimate:
         if not border.sound:
             return over(self.kriging.joined(at, z, noise), self.targets)
         ok = self.kriging.grown(border, at, z, noise)
-        v = k[:, n:] + self.base
+        rows, v = self.v.grown(len(self.targets))
+        np.add(k[:, n:], self.base, out=v)
         v -= np.matmul(border.row[:, None, :], self.v.array)[:, 0]
         v -= k[:, :1]
         v /= np.sqrt(border.pivot)[:, None]
         mean = ok.system.y[:, -1:] * v
         mean += self.mean
-        variance = self.variance - v * v
+        variance = v * v
+        np.subtract(self.variance, variance, out=variance)
         here = np.flatnonzero(lag[n:] == 0.0)
         pins = self.pins
         if here.size:
             pins = np.concatenate([pins, np.column_stack([here, np.full(here.size, n)])])
         pin(ok.system.readings, pins, mean, variance)
-        return _sound(Estimate(ok, self.targets, self.base, self.v.append(v), mean, variance, pins))
+        return _sound(Estimate(ok, self.targets, self.base, rows, mean, variance, pins))
 
     def variance_drop(self, candidates: ArrayLike) -> Floats:
         """By how much the variance falls everywhere if one of these targets were probed next.

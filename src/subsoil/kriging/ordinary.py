@@ -151,9 +151,10 @@ class OrdinaryKriging:
         self, at: ArrayLike, z: ArrayLike, error_variance: ArrayLike
     ) -> Iterator[tuple[Floats, Floats, Floats]]:
         """Places (2,), values (m,) and noises (g,) of further readings, checked, one by one."""
-        places, values = checked(at, z, len(self.z))
-        error = checked_error(error_variance, len(self.variograms), len(places))
-        noise = error + self.system.covariance.noise[:, None]
+        readings, covariance = self.system.readings, self.system.covariance
+        places, values = checked(at, z, len(readings.z))
+        error = checked_error(error_variance, len(covariance.variograms), len(places))
+        noise = error + covariance.noise[:, None]
         return zip(places, values.T, noise.T, strict=True)
 
     def mended(self, variance: Floats) -> OrdinaryKriging:
@@ -169,9 +170,9 @@ class OrdinaryKriging:
         SingularSystemError
             If a model that is valid in the plane did so: the system is too ill-conditioned.
         """
-        lowest = variance.reshape(len(variance), -1).min(axis=1, initial=0.0)
-        if not (lowest < 0.0).any():
+        if not variance.size or not variance.min() < 0.0:
             return self
+        lowest = variance.reshape(len(variance), -1).min(axis=1)
         broken = lowest < -_ROUNDING * self.system.scale
         for g in np.flatnonzero(broken):
             if not isinstance(self.variograms[g], BoundedLinear):

@@ -13,6 +13,7 @@ Floats = NDArray[np.float64]
 
 _MUCH_NOISIER = 100.0
 """How many times another reading's noise the first reading's may be."""
+_ONE = np.ones(1)
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Readings:
             np.concatenate([self.at, at[None]]),
             np.concatenate([self.z, z[:, None]], axis=1),
             np.concatenate([self.noise, noise[:, None]], axis=1),
-            np.append(self.count, 1.0),
+            np.concatenate([self.count, _ONE]),
         )
 
     def leads(self, noise: Floats) -> bool:
@@ -68,7 +69,7 @@ class Readings:
         Values are kriged by how they differ from the first reading's, which costs digits where
         that one is far noisier than the rest.
         """
-        return bool(np.all(self.noise[:, 0] <= _MUCH_NOISIER * noise)) or len(self) == 0
+        return bool((self.noise[:, 0] <= _MUCH_NOISIER * noise).all())
 
     def led(self) -> Readings:
         """Readings with a quiet one first."""
@@ -148,14 +149,16 @@ def checked_error(error_variance: ArrayLike, groups: int, n: int) -> Floats:
         If one is negative or not finite, or shapes do not fit.
     """
     error = np.asarray(error_variance, dtype=float)
-    if not (np.isfinite(error).all() and (error >= 0).all()):
+    if not ((error >= 0.0) & (error < np.inf)).all():
         raise ParameterError("variances must be zero or more", where="error_variance")
+    each = np.empty((groups, n))
     try:
-        return np.zeros((groups, n)) + error
+        each[:] = error
     except ValueError:
         raise ParameterError(
             f"variances {error.shape} do not fit {n} readings", where="error_variance"
         ) from None
+    return each
 
 
 def checked_targets(targets: ArrayLike) -> Floats:

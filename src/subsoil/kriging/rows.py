@@ -31,21 +31,18 @@ class Rows:
         view.flags.writeable = False
         return view
 
-    def append(self, row: Floats) -> Rows:
-        """Rows with one more, (g, w) or shorter: missing columns are zero."""
-        n, width = self._count, row.shape[-1]
+    def grown(self, width: int) -> tuple[Rows, Floats]:
+        """Rows with one more, of a width or wider, and that row, (g, w), to be written at once."""
+        n = self._count
         room = n < self._buffer.shape[1] and width <= self._buffer.shape[2]
         mine = object()
         grown = Rows.__new__(Rows)
         if room and self._claims.setdefault(n + 1, mine) is mine:
             grown._buffer, grown._claims = self._buffer, self._claims
         else:
-            grown._buffer = self._copy(width)
-            grown._claims = {n + 1: mine}
-        grown._buffer[:, n, :width] = row
-        grown._buffer[:, n, width:] = 0.0
+            grown._buffer, grown._claims = self._copy(width), {n + 1: mine}
         grown._count = n + 1
-        return grown
+        return grown, grown._buffer[:, n]
 
     def _copy(self, width: int) -> Floats:
         groups, capacity, old_width = self._buffer.shape

@@ -72,9 +72,9 @@ def smoothness(shape: Shape, half: float, error: float) -> Smoothness:
 def _beyond(gap: float, half: float) -> Floats:
     """Return (k, 2) places a gap, in half sides, and more from a box; within it as well for 0."""
     away = np.array([gap * more if gap else more - 1.0 for more in _MORE])[:, None]
-    beside = [np.broadcast_arrays(1.0 + away, y) for y in (0.0, 0.3, 0.6, 1.0)]
+    beside = [(1.0 + away, np.full_like(away, y)) for y in (0.0, 0.3, 0.6, 1.0)]
     angles = np.radians([22.5, 45.0])
-    beside.append([1.0 + away * np.cos(angles), 1.0 + away * np.sin(angles)])
+    beside.append((1.0 + away * np.cos(angles), 1.0 + away * np.sin(angles)))
     places = [np.column_stack([x.ravel(), y.ravel()]) for x, y in beside]
     return half * np.concatenate([*places, np.array(_INSIDE)] if not gap else places)
 

@@ -99,22 +99,23 @@ class System:
         row = np.matmul(self.inverse.array[:, :, : n - 1], column[:, :, None])[:, :, 0]
         alone = 2.0 * base - e1 + noise
         pivot = alone - np.einsum("gn,gn->g", row, row)
-        new = bool(lag.all()) and self.readings.leads(noise)
-        return Border(base, row, pivot, new and bool((pivot > _least_pivot(n) * alone).all()))
+        sound = lag.all() and (pivot > _least_pivot(n) * alone).all() and self.readings.leads(noise)
+        return Border(base, row, pivot, bool(sound))
 
     def grown(self, border: Border, at: Floats, z: Floats, noise: Floats) -> System:
         """Return the system with one more reading, O(n^2); its border must be sound."""
         d, n = np.sqrt(border.pivot), len(self.readings)
         w = self.inverse.array[:, :, : n - 1]
-        last = np.empty((len(w), n))
-        last[:, :-1] = np.matmul(border.row[:, None, :], w)[:, 0] / -d[:, None]
-        last[:, -1] = 1.0 / d
+        inverse, last = self.inverse.grown(n)
+        np.divide(np.matmul(border.row[:, None, :], w)[:, 0], -d[:, None], out=last[:, : n - 1])
+        last[:, n - 1] = 1.0 / d
+        last[:, n:] = 0.0
         y = (z - self.readings.z[:, 0] - (border.row * self.y).sum(axis=1)) / d
         return System(
             self.readings.appended(at, z, noise),
             self.covariance,
             np.concatenate([self.base, border.base[:, None]], axis=1),
-            self.inverse.append(last),
+            inverse,
             np.concatenate([self.y, y[:, None]], axis=1),
         )
 
@@ -162,7 +163,7 @@ def factorised(readings: Readings, covariance: Covariance) -> tuple[System, NDAr
     g[:, diagonal, diagonal] += readings.noise[:, 1:]
     inverse = np.stack([_inverse_factor(matrix) for matrix in g])
     y = np.matmul(inverse, (readings.z[:, 1:] - readings.z[:, :1])[:, :, None])[:, :, 0]
-    failed = np.isnan(inverse).any(axis=(1, 2))
+    failed = np.asarray(np.isnan(inverse).any(axis=(1, 2)))
     return System(readings, covariance, base, Rows(inverse), y), failed
 
 

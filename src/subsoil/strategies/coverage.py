@@ -96,8 +96,8 @@ def areas(field: Field, k: int, rounds: int, rng: np.random.Generator) -> tuple[
 
     Lloyd's k-means on the cells, from k of them drawn at random, with distances offset by what an
     area has too much of: a power diagram (Aurenhammer, Hoffmann & Aronov 1998, Algorithmica 20,
-    61). With a dozen cells or more to an area, sizes come out within about a third of
-    the fair one.
+    61). With a dozen cells or more to an area, sizes come out within about a third of the
+    fair one.
 
     Parameters
     ----------
