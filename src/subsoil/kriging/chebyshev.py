@@ -80,7 +80,7 @@ class Stretch:
         gap = at[:, None] - self.nodes
         hit = gap == 0.0
         if len(self) <= NODES:
-            return hit.astype(np.float64)
+            return np.where(hit, 1.0, 0.0)
         weights: Floats = np.where(
             hit.any(axis=1, keepdims=True), hit, _BARYCENTRIC / np.where(hit, 1.0, gap)
         )
