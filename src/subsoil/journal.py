@@ -12,9 +12,7 @@ brings a sqlite of its own, and two of them in one process do not see each other
 from __future__ import annotations
 
 import errno
-import getpass
 import os
-import socket
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,13 +20,20 @@ from datetime import UTC, datetime
 from hashlib import sha256
 from pathlib import Path
 
-from filelock import FileLock, Timeout
+from filelock import FileLock
 from pydantic import ValidationError
 
 from subsoil import layout
-from subsoil.errors import CorruptJournalError, JournalError, SurveyBusyError
+from subsoil.errors import CorruptJournalError, JournalError
 from subsoil.events import Event, Opened, from_json, to_json
 from subsoil.geopackage import APPLICATION_ID, add_table, initialise
+from subsoil.ownership import (
+    OWNER_COLUMNS,
+    OWNER_TABLE,
+    lock_for_writing,
+    name_owner,
+    unlock,
+)
 from subsoil.survey import Survey, opened
 
 _EVENTS = {
@@ -39,7 +44,6 @@ _EVENTS = {
     "body": "TEXT NOT NULL",
     "digest": "TEXT NOT NULL",
 }
-_OWNER = {"who": "TEXT NOT NULL", "since": "TEXT NOT NULL"}
 _BUSY_SECONDS = 30.0
 _ROOT = "subsoil"
 _HEADER_BYTES = 100
@@ -92,11 +96,11 @@ class Journal:
     def close(self) -> None:
         """Give the file back as one self-contained GeoPackage, and let others write."""
         with _explained(self.path):
-            self._database.execute("DELETE FROM subsoil_owner")
+            self._database.execute(f"DELETE FROM {OWNER_TABLE}")
             self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._database.execute("PRAGMA journal_mode = DELETE")
             self._database.close()
-        _unlock(self._lock)
+        unlock(self._lock)
 
     @contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
@@ -127,23 +131,23 @@ def create(path: Path, opening: Opened) -> Journal:
         )
     if not path.parent.is_dir():
         raise JournalError("there is no such folder", where=str(path.parent), remedy="create it")
-    lock = _locked(path)
+    lock = lock_for_writing(path)
     try:
         with _explained(path):
             database = _connect(path)
             database.execute("BEGIN IMMEDIATE")
             srs = initialise(database, opening.crs)
             add_table(database, "events", _EVENTS, "Everything that happened; the truth")
-            add_table(database, "subsoil_owner", _OWNER, "Who is writing now")
+            add_table(database, OWNER_TABLE, OWNER_COLUMNS, "Who is writing now")
             survey = opened(opening)
             layout.create(database, srs, survey)
             _insert_event(database, opening)
-            _claim(database)
+            name_owner(database)
             database.execute("COMMIT")
             database.execute("PRAGMA journal_mode = WAL")
     except BaseException:
         path.unlink(missing_ok=True)
-        _unlock(lock)
+        unlock(lock)
         raise
     return Journal(path, database, lock, srs)
 
@@ -161,16 +165,16 @@ def open_journal(path: Path) -> Journal:
     _check_file(path)
     if not os.access(path, os.W_OK):
         raise JournalError("the file cannot be written", where=str(path), remedy="check its rights")
-    lock = _locked(path)
+    lock = lock_for_writing(path)
     try:
         with _explained(path):
             database = _connect(path)
             _check_survey(database, path)
             database.execute("PRAGMA journal_mode = WAL")
-            _claim(database)
+            name_owner(database)
             srs = layout.srs_of(database)
     except BaseException:
-        _unlock(lock)
+        unlock(lock)
         raise
     return Journal(path, database, lock, srs)
 
@@ -257,43 +261,6 @@ def _connect(path: Path) -> sqlite3.Connection:
     return database
 
 
-def _claim(database: sqlite3.Connection) -> None:
-    who = f"process {os.getpid()} of {getpass.getuser()} on {socket.gethostname()}"
-    database.execute("DELETE FROM subsoil_owner")
-    database.execute("INSERT INTO subsoil_owner VALUES (?, ?)", (who, _now()))
-
-
-def _locked(path: Path) -> FileLock:
-    lock = FileLock(path.parent / f".{path.name}.lock", timeout=0)
-    try:
-        lock.acquire()
-    except Timeout:
-        raise SurveyBusyError(
-            f"{_owner(path)} is writing to it",
-            where=str(path),
-            remedy="wait until it is done, or stop it",
-        ) from None
-    except OSError as error:
-        raise JournalError(
-            f"the file cannot be written: {error.strerror}",
-            where=str(path),
-            remedy="choose a folder you may write to",
-        ) from error
-    return lock
-
-
-def _unlock(lock: FileLock) -> None:
-    """Give a lock back and take its file away; a rival that waits on that file starts over."""
-    Path(lock.lock_file).unlink(missing_ok=True)
-    lock.release()
-
-
-def _owner(path: Path) -> str:
-    with reading(path) as database:
-        row = database.execute("SELECT who, since FROM subsoil_owner").fetchone()
-    return f"{row[0]}, since {row[1]}," if row else "another process"
-
-
 def _check_file(path: Path) -> None:
     """Check from its header that a file is there and is a GeoPackage."""
     if not path.is_file():
@@ -308,7 +275,7 @@ def _check_file(path: Path) -> None:
 
 def _check_survey(database: sqlite3.Connection, path: Path) -> None:
     tables = {row[0] for row in database.execute("SELECT name FROM sqlite_master")}
-    if not {"events", "subsoil_owner"} <= tables:
+    if not {"events", OWNER_TABLE} <= tables:
         raise _foreign(path, "another program's GeoPackage")
 
 

@@ -25,7 +25,7 @@ _LARGEST = 65_535
 """Largest distance that fast-tsp takes."""
 _ASIDE = 1.1
 """Distance of the node that closes a path to a cycle, as a share of the greatest distance."""
-_TELL_APART = 16
+_TELL_APART = 64
 """Integer distances are told apart by up to this much: grids are full of equally short routes."""
 _EPSILON = 1e-9
 _LONGEST_SEGMENT = 3
@@ -42,8 +42,8 @@ def tour(start: ArrayLike, places: ArrayLike) -> tuple[int, ...]:
 
     Optimal up to 18 places, but for distances rounded to 1 part in 60 000. Beyond, the search is
     random and is given more time until it finds the same twice, two seconds in all at most. Up to
-    about a hundred places that is the optimum again and the same at every call; of 300 places it
-    comes within some 0.2 %, and another call may come to another order.
+    some 60 places that is the optimum again, and the same at every call; of 300 places it comes
+    within some 0.2 %, and another call may come to another order.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def _closed(distance: Floats) -> Integers:
 
     One more node joins the path's two ends: it is next to the start for free and farther from
     everything else than anything is. Where there is more to solve than fast-tsp enumerates,
-    distances are told apart by a few parts in ten thousand, always the same ones.
+    distances are told apart by up to a thousandth of the greatest, always the same way.
     """
     n = len(distance)
     scale = (_LARGEST - _TELL_APART) / _ASIDE

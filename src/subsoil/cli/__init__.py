@@ -13,7 +13,7 @@ import sys
 import typer
 from threadpoolctl import threadpool_limits
 
-from subsoil.cli import analysing, demonstrating, diagnosing, surveying
+from subsoil.cli import analysing, demonstrating, diagnosing, looking, surveying
 from subsoil.errors import SubsoilError
 
 app = typer.Typer(
@@ -24,15 +24,15 @@ app = typer.Typer(
 )
 app.command()(demonstrating.demo)
 app.command()(surveying.init)
-app.command()(surveying.plan)
+app.command()(looking.plan)
 app.command()(surveying.run)
 app.command()(surveying.resume)
-app.command()(surveying.status)
+app.command()(looking.status)
 app.command(name="map")(analysing.make_map)
 app.command()(analysing.variogram)
 app.command()(analysing.cv)
-app.command()(surveying.replay)
-app.command()(surveying.verify)
+app.command()(looking.replay)
+app.command()(looking.verify)
 app.command()(diagnosing.doctor)
 
 

@@ -9,8 +9,8 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from subsoil.cli.options import DEFAULT_EDGES, CellSize, Edges, EstimatorName, layers_of
 from subsoil.cli.output import AsJson, Out, folder, tell, tell_table
-from subsoil.cli.surveying import CellSize, EstimatorName, layers_of
 from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.io.boundary import read_field
@@ -39,8 +39,6 @@ Units = Annotated[
     str | None,
     typer.Option(help="Unit of the readings where the file does not say: kpa, mpa, psi."),
 ]
-Edges = Annotated[str, typer.Option(help="Edges of the depth layers in m, comma-separated.")]
-_EDGES = "0,0.05,0.1,0.15,0.2,0.25,0.3,0.35,0.4"
 _ESTIMATOR = "spherical"
 
 
@@ -78,7 +76,7 @@ def make_map(
     boundary: Annotated[Path, typer.Option(help="Outline of the field.")],
     out: Out,
     cell: CellSize = 5.0,
-    layers: Edges = _EDGES,
+    layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
     cone_area: OptionalConeArea = None,
     units: Units = None,
@@ -114,7 +112,7 @@ def make_map(
 def variogram(
     readings: ReadingsFile,
     boundary: OptionalBoundary = None,
-    layers: Edges = _EDGES,
+    layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
     cone_area: OptionalConeArea = None,
     units: Units = None,
@@ -143,7 +141,7 @@ def variogram(
 def cv(
     readings: ReadingsFile,
     boundary: OptionalBoundary = None,
-    layers: Edges = _EDGES,
+    layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
     block: Annotated[float, typer.Option(help="Side in m of the blocks left out together.")] = 50.0,
     cone_area: OptionalConeArea = None,

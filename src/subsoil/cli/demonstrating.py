@@ -8,16 +8,16 @@ from typing import Annotated, Literal
 
 import typer
 
-from subsoil.cli.output import AsJson, Seed, folder, progress, tell
-from subsoil.cli.surveying import (
+from subsoil.cli.looking import summary
+from subsoil.cli.options import (
     DEFAULT_ESTIMATOR,
     DEFAULT_STRATEGY,
     EstimatorName,
     Samples,
     StrategyName,
     configured,
-    summary,
 )
+from subsoil.cli.output import AsJson, Seed, folder, progress, tell
 from subsoil.cli.worlds import demo_field, robot_of, truth_of
 from subsoil.dispatch import LocalDispatch, drive
 from subsoil.errors import JournalError
