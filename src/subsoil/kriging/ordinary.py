@@ -261,7 +261,7 @@ def condition(
     >>> ok = condition(Spherical(nugget=0.0, range=50.0, psill=1.0), at, z)
     >>> mean, variance = ok.predict([(10.0, 0.0), (5.0, 5.0)])
     >>> mean.round(3), variance.round(3)
-    (array([2.   , 1.868]), array([0.   , 0.213]))
+    (array([2.   , 2.003]), array([0.   , 0.235]))
     """
     if np.size(z) == 0:
         raise ReadingsError("there is no reading to krige from", remedy="give at least one")
