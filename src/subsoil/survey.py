@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.errors import CorruptJournalError, JournalError
+from subsoil.errors import CorruptJournalError, JournalError, ParameterError
 from subsoil.events import (
     BatterySwapped,
     Configured,
@@ -35,11 +35,13 @@ from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Cone, Insertion
 from subsoil.soilmap import SoilMap
 from subsoil.stopping import Limits, Spent
-from subsoil.strategies import View, strategy_named
+from subsoil.strategies import Plan, View, strategy_named
 from subsoil.variogram import estimator_named
 
 _STRATEGY_STREAM = 2
 _NEVER = -1
+_FEW = 12
+"""Samples up to which variograms are estimated anew after each, whatever the schedule."""
 
 
 @dataclass(frozen=True)
@@ -278,8 +280,10 @@ def _moved(survey: Survey, event: Sampled | Refused) -> Survey:
 
 
 def _refit_due(survey: Survey) -> bool:
-    taken = len(survey.visited)
-    return taken != survey.fitted_at and taken % survey.configured.refit_every == 0
+    """Whether variograms are due: often while samples are few, on schedule, and at the end."""
+    taken, settings = len(survey.visited), survey.configured
+    on_schedule = taken % settings.refit_every == 0
+    return taken != survey.fitted_at and (taken <= _FEW or on_schedule or taken >= settings.samples)
 
 
 def _fit(survey: Survey) -> Fitted:
@@ -294,12 +298,27 @@ def _fit(survey: Survey) -> Fitted:
 def _plan(survey: Survey) -> Planned:
     settings = survey.configured
     plan = strategy_named(settings.strategy, settings.strategy_settings)(view(survey))
+    _check_plan(survey, plan)
     return Planned(
         step=survey.step,
         cells=plan.cells,
         reason=plan.reason,
         mean_kv=survey.mean_kv,
     )
+
+
+def _check_plan(survey: Survey, plan: Plan) -> None:
+    where = f"strategy {survey.configured.strategy}"
+    gone = {*survey.visited, *survey.refused}
+    for k, cell in enumerate(plan.cells):
+        if not 0 <= cell < len(survey.field.cells):
+            raise ParameterError(f"it plans cell {cell}, which is not in the field", where=where)
+        if cell in gone or cell in plan.cells[:k]:
+            raise ParameterError(
+                f"it plans cell {cell}, which is visited, refused or planned already",
+                where=where,
+                remedy="plan free cells only, each once",
+            )
 
 
 def _area(wkt: str) -> Polygon | MultiPolygon:

@@ -10,12 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsoil.dispatch import LocalDispatch, drive
-from subsoil.errors import BatteryError, CorruptJournalError, RobotError
+from subsoil.errors import BatteryError, CorruptJournalError, ParameterError, RobotError
 from subsoil.events import (
     BatterySwapped,
     Configured,
     Event,
     Finished,
+    Fitted,
     Opened,
     Planned,
     Refused,
@@ -25,12 +26,28 @@ from subsoil.events import (
     to_json,
 )
 from subsoil.simulation import Machine, SimulatedRobot, Truth
+from subsoil.strategies import Plan, View
 from subsoil.survey import Survey, apply, fold, next_event, opened
 
 Configure = Callable[..., Configured]
 RobotAt = Callable[[Survey, Truth], SimulatedRobot]
 
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
+
+
+def beyond(view: View) -> Plan:
+    """A plan outside the field."""
+    return Plan((len(view.field.cells),), "beyond")
+
+
+def twice(_: View) -> Plan:
+    """A plan that names a cell twice."""
+    return Plan((3, 3), "twice")
+
+
+def again(_: View) -> Plan:
+    """A plan that never moves on."""
+    return Plan((3,), "again")
 
 
 class Notes:
@@ -124,6 +141,28 @@ def test_more_samples_can_be_asked_of_a_finished_survey(
         drive("robot", robot_at(dispatch.survey, plot_truth), dispatch)
         assert len(dispatch.survey.visited) == 10
         assert dispatch.survey.visited[:6] == short.visited
+
+
+def test_a_strategy_that_plans_what_cannot_be_is_named(
+    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+) -> None:
+    for strategy, words in (
+        ("beyond", "not in the field"),
+        ("twice", "planned already"),
+        ("again", "visited"),
+    ):
+        settings = configured(f"{__name__}:{strategy}")
+        with pytest.raises(ParameterError, match=f"strategy .*{strategy}: it plans cell.*{words}"):
+            surveyed(plot_opened, settings, plot_truth, robot_at)
+
+
+def test_variograms_are_refitted_early_on_schedule_and_at_the_end(
+    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+) -> None:
+    settings = configured("random", 23).model_copy(update={"refit_every": 5})
+    _, events = surveyed(plot_opened, settings, plot_truth, robot_at)
+    fitted = [event.samples for event in events if isinstance(event, Fitted)]
+    assert fitted == [*range(1, 13), 15, 20, 23]
 
 
 def test_a_survey_whose_robot_runs_out_of_charge_goes_on_with_a_fresh_battery(

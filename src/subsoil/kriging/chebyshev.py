@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-NODES = 14
+NODES = 12
 """Nodes to a stretch of an axis."""
 
 _ANGLES = (np.arange(NODES) + 0.5) * np.pi / NODES
@@ -65,6 +65,15 @@ class Stretch:
         """The stretch in two; it must have two coordinates or more."""
         middle = (self.start + self.stop) // 2
         return Stretch(self.axis, self.start, middle), Stretch(self.axis, middle, self.stop)
+
+    def span(self, x: Floats) -> tuple[Floats, Floats]:
+        """(n,) squared distances from (n,) coordinates to the nearest and furthest point."""
+        away = np.abs(x - self.centre)
+        nearest = np.maximum(away - self.half, 0.0)
+        nearest *= nearest
+        away += self.half
+        away *= away
+        return nearest, away
 
     def weights(self, at: Floats) -> Floats:
         """(t, p) weights of the nodes for interpolation at (t,) coordinates of the stretch.
@@ -145,14 +154,9 @@ class Box:
         return rows, columns
 
     def span(self, at: Floats) -> tuple[Floats, Floats]:
-        """(n,) squared distances from (n, 2) places to the nearest and furthest point, in m2."""
-        half = np.array([self.east.half, self.north.half])
-        away = np.abs(at - [self.east.centre, self.north.centre])
-        nearest = np.maximum(away - half, 0.0)
-        nearest *= nearest
-        away += half
-        away *= away
-        return nearest[:, 0] + nearest[:, 1], away[:, 0] + away[:, 1]
+        """(n,) squared distances from (n, 2) places to the nearest and furthest point."""
+        east, north = self.east.span(at[:, 0]), self.north.span(at[:, 1])
+        return east[0] + north[0], east[1] + north[1]
 
 
 def squared_lags(at: Floats, north: Floats, east: Floats) -> Floats:

@@ -26,9 +26,9 @@ Indices = NDArray[np.intp]
 Run = Callable[[Callable[[Any], None], Iterable[Any]], object]
 """Call a function with each of some jobs."""
 
-_ACCEPTED = 3e-10
+_ACCEPTED = 2e-10
 """What a map may differ by from direct kriging, in standard deviations and sills."""
-_ERRORS = (3e-11, 1e-13)
+_ERRORS = (5e-11, 1e-13)
 """Errors of interpolated covariances to try in turn, in their own units."""
 _SPOTS = 256
 """Random cells at which a map is compared with direct kriging."""

@@ -210,13 +210,19 @@ class Tiler:
 
     def _views(self, tile: Tile) -> list[View]:
         """How the readings of a tile look from the parts of its box."""
-        return [self._view(tile.at, Box(*part)) for part in product(*tile.box.parts)]
+        rows, columns = tile.box.parts
+        north = [(part, *part.span(tile.at[:, 1])) for part in rows]
+        east = [(part, *part.span(tile.at[:, 0])) for part in columns]
+        return [
+            self._view(Box(row, column), y + x, far_y + far_x)
+            for (row, y, far_y), (column, x, far_x) in product(north, east)
+        ]
 
-    def _view(self, at: Floats, box: Box) -> View:
-        nearest, furthest = box.span(at)
+    def _view(self, box: Box, nearest: Floats, furthest: Floats) -> View:
         touching = nearest < self._shape.end**2
-        rough = touching & self._smoothness_at(box.half).rough(nearest, furthest)
-        return View(box, rough, touching & ~rough)
+        rough = self._smoothness_at(box.half).rough(nearest, furthest)
+        rough &= touching
+        return View(box, rough, touching ^ rough)
 
     def _smoothness_at(self, half: float) -> Smoothness:
         size = ceil(16.0 * log2(half)) if half > 0.0 else -1024

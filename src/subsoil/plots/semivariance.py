@@ -56,7 +56,7 @@ def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> 
     legend = "small numbers: pairs of samples in each bin"
     figure = blank(layout.size, "Variograms", "; ".join(filter(None, (caption, legend))))
     reach = _reach(fits)
-    for k, (name, fit, used) in enumerate(zip(names, fits, kriged_with(soil_map), strict=True)):
+    for k, (name, fit, used) in enumerate(zip(names, fits, soil_map.kriged_with, strict=True)):
         axes = layout.panel(figure, k)
         head(axes, f"{name}, {name_of(fit.variogram)}", lift=24)
         _write(axes, parameters(fit.variogram), COLD, up=15)
@@ -67,19 +67,6 @@ def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> 
         if k + layout.columns >= len(fits):
             axes.set_xlabel("distance (m)", size=TEXT)
     return figure
-
-
-def kriged_with(soil_map: SoilMap) -> tuple[Variogram, ...]:
-    """Model that each layer was kriged with; its own where no sample measured it.
-
-    It differs from the one that was fitted where that gave no valid system in the plane.
-    """
-    used = list(soil_map.variograms)
-    for stack in soil_map.stacks:
-        models = stack.estimate.kriging.variograms
-        for k, layer in enumerate(stack.layers):
-            used[layer] = models[k % len(models)]
-    return tuple(used)
 
 
 def parameters(model: Bounded) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from subsoil.layers import LayerState
-from subsoil.plots.semivariance import kriged_with, remark
+from subsoil.plots.semivariance import remark
 from subsoil.report.progress import Progress
 from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
@@ -67,7 +67,7 @@ def rows(survey: Survey, fits: Sequence[Fit]) -> tuple[Row, ...]:
     """Table of layers: mean and spread of the map, its standard deviation, and its variogram."""
     soil_map = survey.soil_map
     deviation = standard_deviation(soil_map.variance)
-    used = kriged_with(soil_map)
+    used = soil_map.kriged_with
     return tuple(
         Row(
             name,
