@@ -71,7 +71,7 @@ class Covariance:
     def smooth(self, lag: Floats) -> Floats:
         """(g, ...) covariances at lags in m, without the jump at lag 0."""
         first = self.variograms[0]
-        if isinstance(first, Bounded) and all(type(v) is type(first) for v in self.variograms):
+        if isinstance(first, Bounded) and self._alike:
             one_each = (-1,) + (1,) * lag.ndim
             c: Floats = first.correlation(lag * self._inverse_range.reshape(one_each))
             c *= self.psill.reshape(one_each)
@@ -93,6 +93,10 @@ class Covariance:
     def of(self, group: int) -> Covariance:
         """Covariance of one of the variograms."""
         return Covariance((self.variograms[group],), self.exact)
+
+    @cached_property
+    def _alike(self) -> bool:
+        return len({type(v) for v in self.variograms}) == 1
 
     @cached_property
     def _inverse_range(self) -> Floats:

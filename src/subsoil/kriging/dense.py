@@ -21,7 +21,6 @@ from subsoil.kriging.system import System
 from subsoil.kriging.tiles import Tiler
 
 Floats = NDArray[np.float64]
-
 Indices = NDArray[np.intp]
 Run = Callable[[Callable[[Any], None], Iterable[Any]], object]
 """Call a function with each of some jobs."""

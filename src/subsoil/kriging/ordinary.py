@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from subsoil.errors import ParameterError, ReadingsError, SingularSystemError
+from subsoil.errors import ParameterError, ReadingsError
 from subsoil.kriging.covariance import Covariance, lags
 from subsoil.kriging.dense import predicted_on_grid
 from subsoil.kriging.direct import predicted
@@ -22,7 +22,14 @@ from subsoil.kriging.readings import (
     distinct,
 )
 from subsoil.kriging.system import Border, System, factorised
-from subsoil.variogram.models import BoundedLinear, Variogram
+from subsoil.kriging.validity import (
+    circular_note,
+    ill_conditioned,
+    replaceable,
+    singular,
+    with_circular,
+)
+from subsoil.variogram.models import Variogram
 
 Floats = NDArray[np.float64]
 Invalid = Literal["circular", "nan"]
@@ -111,8 +118,8 @@ class OrdinaryKriging:
         """Mean and variance on a dense grid, as (ny, nx) or (m, ny, nx).
 
         The same answer as :meth:`predict` to about 1e-9 standard deviations of the readings and
-        sills, by :mod:`subsoil.kriging.dense`; every tile of the map compares itself with direct
-        kriging, and the largest difference seen is kept as ``spot_check``.
+        sills, by :mod:`subsoil.kriging.dense`, which compares every map with direct kriging at
+        random cells and keeps the largest difference seen as ``spot_check``.
 
         Parameters
         ----------
@@ -174,24 +181,15 @@ class OrdinaryKriging:
             return self
         lowest = variance.reshape(len(variance), -1).min(axis=1)
         broken = lowest < -_ROUNDING * self.system.scale
-        for g in np.flatnonzero(broken):
-            if not isinstance(self.variograms[g], BoundedLinear):
-                raise SingularSystemError(
-                    f"kriging variance fell to {lowest[g]:.3g}: the system is too ill-conditioned",
-                    where=_named(self.variograms, int(g)),
-                    remedy="add a nugget or choose a rougher model",
-                )
-        replaced = self.invalid == "circular" and broken.any()
-        return self.with_circular(broken) if replaced else self
+        wrong = np.flatnonzero(broken & ~replaceable(self.system.covariance))
+        if wrong.size:
+            raise ill_conditioned(lowest[wrong[0]], self.variograms, int(wrong[0]))
+        return self.with_circular(broken) if self.invalid == "circular" and broken.any() else self
 
     def with_circular(self, models: NDArray[np.bool_]) -> OrdinaryKriging:
         """Krige the (g,) marked bounded linear models by the circular one of the same slope."""
-        variograms = tuple(
-            v.circular() if swap and isinstance(v, BoundedLinear) else v
-            for v, swap in zip(self.variograms, models, strict=True)
-        )
-        covariance = replace(self.system.covariance, variograms=variograms)
-        notes = (*self.notes, _circular_note(models))
+        covariance = with_circular(self.system.covariance, models)
+        notes = (*self.notes, circular_note(models))
         return _conditioned(self.system.readings, covariance, self.layered, self.invalid, notes)
 
     def prediction(self, mean: Floats, variance: Floats) -> Prediction:
@@ -266,7 +264,8 @@ def condition(
     if np.size(z) == 0:
         raise ReadingsError("there is no reading to krige from", remedy="give at least one")
     layered = np.ndim(z) == 2
-    places, values = checked(np.array(at, dtype=float), np.array(z, dtype=float), _layers(z))
+    layers = len(np.asarray(z)) if layered else 1
+    places, values = checked(np.array(at, dtype=float), np.array(z, dtype=float), layers)
     variograms = tuple(variogram) if isinstance(variogram, Sequence) else (variogram,)
     if len(variograms) not in (1, len(values)):
         raise ParameterError(
@@ -293,41 +292,7 @@ def _conditioned(
     ok = OrdinaryKriging(system, layered, invalid, notes)
     if not failed.any():
         return ok
-    replaceable = [isinstance(v, BoundedLinear) for v in ok.variograms]
-    if not np.all(np.array(replaceable)[failed]):
-        raise _singular(readings, ok.variograms, int(np.flatnonzero(failed)[0]))
+    wrong = np.flatnonzero(failed & ~replaceable(covariance))
+    if wrong.size:
+        raise singular(readings, ok.variograms, int(wrong[0]))
     return ok.with_circular(failed) if invalid == "circular" else ok
-
-
-def _layers(z: ArrayLike) -> int:
-    return len(np.asarray(z)) if np.ndim(z) == 2 else 1
-
-
-def _named(variograms: tuple[Variogram, ...], model: int) -> str:
-    layer = f"layer {model + 1}, " if len(variograms) > 1 else ""
-    return f"{layer}{variograms[model]}"
-
-
-def _singular(
-    readings: Readings, variograms: tuple[Variogram, ...], model: int
-) -> SingularSystemError:
-    at = readings.at
-    spacing = lags(at, at)
-    np.fill_diagonal(spacing, np.inf)
-    i, j = np.unravel_index(int(np.argmin(spacing)), spacing.shape)
-    return SingularSystemError(
-        f"the kriging system of {len(at)} readings is not positive definite",
-        where=_named(variograms, model),
-        remedy="add a nugget, or choose a rougher model; the closest readings are those at "
-        f"({at[i, 0]:g}, {at[i, 1]:g}) and ({at[j, 0]:g}, {at[j, 1]:g}), "
-        f"{spacing[i, j]:.3g} m apart",
-    )
-
-
-def _circular_note(models: NDArray[np.bool_]) -> str:
-    which = ", ".join(str(k + 1) for k in np.flatnonzero(models))
-    place = f" in layer {which}" if len(models) > 1 else ""
-    return (
-        f"bounded linear model not valid in the plane for these readings{place}: "
-        "kriged with the circular model of the same slope"
-    )

@@ -5,13 +5,13 @@ With c the covariances of a cell with all readings, mean and variance are polyno
     mean     = constant + slope . c
     variance = -(height + linear . c + c' gram c)
 
-Seen from a box of cells, most readings are far enough away for c to be
-smooth. What these contribute is computed at Chebyshev nodes of the box and interpolated; the
-others are computed from cell to cell. Going from the whole grid down to tiles, the parts of a box
-inherit from it by interpolation, which loses nothing, and *absorb* the readings that are smooth
-over them and were not before. The idea is that of the fast multipole method
-(Greengard & Rokhlin 1987) with interpolation for the expansion (Fong & Darve 2009), carried over
-to the quadratic form of the variance.
+Seen from a box of cells, most readings are far enough away for c to be smooth. What these
+contribute is computed at Chebyshev nodes of the box and interpolated; the others are computed
+from cell to cell. Going from the whole grid down to tiles, the parts of a box inherit from it by
+interpolation, which loses nothing, and *absorb* the readings that are smooth over them and were
+not before. The idea is that of the fast multipole method (Greengard & Rokhlin 1987) with
+interpolation for the expansion (Fong & Darve 2009), carried over to the quadratic form of the
+variance.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ class Tile:
             on_grid = c.reshape(len(self), len(rows), len(columns))
             for view, (row, column) in zip(views, corners, strict=True):
                 on_grid[:, row, column] *= view.smooth[:, None, None]
-            self._absorb(c, fields, 2.0)
+            fields[:, 1 + len(self.slope) :] += 2.0 * self._absorbed(c, fields).swapaxes(0, 1)
         return [
             self._part(view, fields[row, :, column])
             for view, (row, column) in zip(views, corners, strict=True)
@@ -118,22 +118,26 @@ class Tile:
             fields = _interpolated(self.fields, north[strip], east)
             if len(self):
                 c = _covariances(self.at, box.north.at[strip], box.east.at, shape)
-                self._absorb(c, fields, 0.0)
+                self._absorbed(c, fields)
             part = slice(rows.start + strip.start, rows.start + strip.stop), columns
             np.negative(fields[:, 0], out=variance[part])
             mean[:, part[0], part[1]] = fields[:, 1 : 1 + len(mean)].swapaxes(0, 1)
 
-    def _absorb(self, c: Floats, fields: Floats, pairs: float) -> None:
-        """Add to (p, 1 + k + r, q) fields what covariances (r, p q) contribute there."""
-        first = 1 + len(self.slope)
-        by_field = fields.swapaxes(0, 1)
+    def _absorbed(self, c: Floats, fields: Floats) -> Floats:
+        """Add what (r, p q) covariances contribute to (p, 1 + k + r, q) height and constants.
+
+        Returns
+        -------
+        ndarray
+            (r, p, q) gram c, twice of which is what they contribute to linear.
+        """
+        first, by_field = 1 + len(self.slope), fields.swapaxes(0, 1)
         grid = -1, *by_field.shape[1:]
-        gram = self.gram @ c
-        linear = gram.reshape(grid) + by_field[first:]
-        by_field[0] += np.einsum("ij,ij->j", c, linear.reshape(c.shape)).reshape(grid)[0]
+        pairs = (self.gram @ c).reshape(grid)
+        linear = (pairs + by_field[first:]).reshape(c.shape)
+        by_field[0] += np.einsum("ij,ij->j", c, linear).reshape(grid)[0]
         by_field[1:first] += (self.slope @ c).reshape(grid)
-        if pairs:
-            by_field[first:] += pairs * gram.reshape(grid)
+        return pairs
 
     def _part(self, view: View, fields: Floats) -> Tile:
         stay = np.flatnonzero(view.rough)
@@ -176,14 +180,14 @@ class Tiler:
     """
 
     def __init__(self, system: System, easting: Floats, northing: Floats, error: float) -> None:
-        extent = float(max(np.ptp(easting), np.ptp(northing)))
-        self._shape = system.covariance.shape(extent)
+        origin = np.array([easting[0], northing[0]])
+        shape = system.covariance.shape(float(max(np.ptp(easting), np.ptp(northing))))
+        east, north = ((x - x[0]) / shape.length for x in (easting, northing))
+        box = Box(Stretch(north, 0, len(north)), Stretch(east, 0, len(east)))
+        self._whole = _whole(system, shape, box, origin)
+        self._shape = shape
         self._error = error
         self._smoothness: dict[int, Smoothness] = {}
-        length = self._shape.length
-        north = Stretch(northing / length, 0, len(northing))
-        east = Stretch(easting / length, 0, len(easting))
-        self._whole = _whole(system, self._shape, Box(north, east))
 
     def tiles(self) -> list[Tile]:
         """Tiles of the whole grid that are filled independently of each other."""
@@ -236,8 +240,8 @@ def _work(cells: int, readings: int) -> float:
     return cells * readings * (1.0 + _PAIR * readings)
 
 
-def _whole(system: System, shape: Shape, box: Box) -> Tile:
-    """Tile of a whole grid.
+def _whole(system: System, shape: Shape, box: Box, origin: Floats) -> Tile:
+    """Tile of a whole grid, seen from an origin.
 
     With v = U c + w, U = (-W 1, W) and w = W b, the mean is z1 + y . v and the variance
     2 c(0) + e1 - 2 c1 - |v|^2.
@@ -254,7 +258,7 @@ def _whole(system: System, shape: Shape, box: Box) -> Tile:
     return Tile(
         box,
         np.broadcast_to(values[:, None], (nodes[0], len(values), nodes[1])),
-        readings.at / shape.length,
+        (readings.at - origin) / shape.length,
         shape.height * (system.y @ u),
         shape.height**2 * (u.T @ u),
     )
