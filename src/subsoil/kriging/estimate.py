@@ -103,16 +103,17 @@ class Estimate:
         index = np.asarray(candidates, dtype=np.intp)
         system, v = self.kriging.system, self.v.array
         covariance = system.covariance
+        shift = self.base[:, index].T - (covariance.origin + system.readings.noise[:, 0])
         joint = covariance(lags(self.targets[index], self.targets))
         joint -= np.matmul(v[:, :, index].transpose(0, 2, 1), v)
         joint += self.base[:, None, :]
-        joint += (self.base[:, index] - (covariance.origin + system.readings.noise[:, 0])[:, None])[
-            :, :, None
-        ]
+        joint += shift.T[:, :, None]
         own = joint[:, np.arange(len(index)), index] + covariance.noise[:, None]
-        drop = joint * joint
-        drop /= own[:, :, None]
-        return self.kriging.shaped(drop)
+        joint *= joint
+        # A place known for certain has nothing to tell.
+        return self.kriging.shaped(
+            np.divide(joint, own[:, :, None], out=np.zeros_like(joint), where=own[:, :, None] > 0.0)
+        )
 
 
 def over(ok: OrdinaryKriging, targets: ArrayLike) -> Estimate:

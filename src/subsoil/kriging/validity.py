@@ -37,7 +37,9 @@ def circular_note(models: Bools) -> str:
     )
 
 
-def singular(readings: Readings, variograms: tuple[Variogram, ...], model: int) -> Exception:
+def singular(
+    readings: Readings, variograms: tuple[Variogram, ...], model: int
+) -> SingularSystemError:
     """Error of a system that is not positive definite; it names the closest readings."""
     at = readings.at
     spacing = lags(at, at)
@@ -52,7 +54,9 @@ def singular(readings: Readings, variograms: tuple[Variogram, ...], model: int) 
     )
 
 
-def ill_conditioned(variance: float, variograms: tuple[Variogram, ...], model: int) -> Exception:
+def ill_conditioned(
+    variance: float, variograms: tuple[Variogram, ...], model: int
+) -> SingularSystemError:
     """Error of a variance that fell below zero under a model that should forbid it."""
     return SingularSystemError(
         f"kriging variance fell to {variance:.3g}: the system is too ill-conditioned",
