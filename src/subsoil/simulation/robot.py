@@ -156,5 +156,5 @@ class SimulatedRobot:
                 f"{self.battery_s / 60:.0f} minutes of battery are left and the next stop may "
                 f"take {seconds / 60:.0f}",
                 where=f"stop {self.stops + 1}",
-                remedy="charge or change the battery and resume the survey",
+                remedy="change the battery, then `subsoil resume --fresh-battery`",
             )
