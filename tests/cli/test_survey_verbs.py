@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -101,6 +105,19 @@ def test_the_terminal_shows_units(cli: Cli, survey: Path) -> None:
     out = cli("run", survey, "--samples", 3).out
     for unit in ("(m)", "(min)", "(kPa)", "(kPa²)", "(ha)"):
         assert unit in out
+
+
+def test_ctrl_c_stops_in_one_line_and_loses_nothing(survey: Path, cli: Cli) -> None:
+    command = [sys.executable, "-m", "subsoil", "run", str(survey), "--samples", "90"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    while not cli("status", survey, "--json").json["samples"]:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate()
+    assert process.returncode == 3
+    assert said == "error: stopped; nothing recorded is lost, go on with `subsoil resume`\n"
+    assert cli("resume", survey, "--json").json["samples"] == 90
+    assert cli("verify", survey).code == 0
 
 
 def test_doctor_says_what_is_there(cli: Cli) -> None:

@@ -146,7 +146,7 @@ def test_arrival_and_hole_share_the_error_of_the_receiver() -> None:
 def test_it_does_not_leave_for_a_stop_the_battery_cannot_carry() -> None:
     needed = 40.0 + QUIET.longest_stop_s
     robot = _robot(battery_s=needed - 0.5)
-    with pytest.raises(BatteryError, match=r"2 minutes of battery are left.*charge"):
+    with pytest.raises(BatteryError, match=r"2 minutes of battery are left.*fresh-battery"):
         robot.go_to((40.0, 0.0))
     assert (robot.position, robot.battery_s, robot.stops) == ((0.0, 0.0), needed - 0.5, 0)
     assert robot.go_to((39.0, 0.0)).metres == 39.0

@@ -16,6 +16,9 @@ from threadpoolctl import threadpool_limits
 from subsoil.cli import analysing, demonstrating, diagnosing, looking, surveying
 from subsoil.errors import SubsoilError
 
+_INTERRUPTED = 130
+"""What typer makes of Ctrl-C."""
+
 app = typer.Typer(
     help="Adaptive soil-compaction surveying: krige while you probe, re-plan after every reading.",
     no_args_is_help=True,
@@ -51,9 +54,11 @@ def run(arguments: list[str]) -> int:
     except typer.TyperException as error:
         return _say(error.format_message(), 2)
     except (typer.Abort, KeyboardInterrupt):
-        return _say("stopped; nothing recorded is lost, go on with `subsoil resume`", 3)
+        code = _INTERRUPTED
     except OSError as error:
         return _say(f"{error.filename or 'disk'}: {error.strerror or error}", 3)
+    if code == _INTERRUPTED:
+        return _say("stopped; nothing recorded is lost, go on with `subsoil resume`", 3)
     return code if isinstance(code, int) else 0
 
 
