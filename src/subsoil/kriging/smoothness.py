@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, sqrt
 
@@ -60,13 +61,29 @@ def smoothness(shape: Shape, half: float, error: float) -> Smoothness:
         smooth = at[~tried.rough(*box.span(at))]
         return not len(smooth) or _interpolation_error(shape, smooth, box) <= error
 
-    far = [Smoothness(_FAR * half, g * half, breaks) for g in _GAPS]
-    guard = next((t.guard for t in far if fits(_short(t, half), t)), inf)
-    for gap in _GAPS:
-        tried = Smoothness(gap * half, guard, breaks)
-        if fits(np.concatenate([_beyond(gap, half), _short(tried, half)]), tried):
-            return tried
-    return Smoothness(inf, guard, breaks)
+    def guarded(gap: float) -> bool:
+        tried = Smoothness(_FAR * half, gap, breaks)
+        return fits(_short(tried, half), tried)
+
+    def reached(gap: float) -> bool:
+        tried = Smoothness(gap, guard, breaks)
+        return fits(np.concatenate([_beyond(gap / half, half), _short(tried, half)]), tried)
+
+    guard = _least(half, guarded)
+    return Smoothness(_least(half, reached), guard, breaks)
+
+
+def _least(half: float, fits: Callable[[float], bool]) -> float:
+    """Find the least of the gaps that fits, if those beyond it do; infinite if none does."""
+    gaps = [gap * half for gap in _GAPS] + [inf]
+    low, high = 0, len(_GAPS)
+    while low < high:
+        middle = (low + high) // 2
+        if fits(gaps[middle]):
+            high = middle
+        else:
+            low = middle + 1
+    return gaps[high]
 
 
 def _beyond(gap: float, half: float) -> Floats:

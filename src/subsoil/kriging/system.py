@@ -174,10 +174,13 @@ def _inverse_factor(matrix: Floats) -> Floats:
     n = len(matrix)
     if not n:
         return matrix
-    factor, info = dpotrf(matrix, lower=1, clean=1)
-    if info or np.any(np.diag(factor) ** 2 <= _least_pivot(n) * np.diag(matrix)):
+    variance = np.diag(matrix).copy()
+    # Upper by columns is lower by rows: transposed, nothing has to be copied.
+    factor, info = dpotrf(matrix.T, lower=0, clean=1, overwrite_a=1)
+    if info or np.any(np.diag(factor) ** 2 <= _least_pivot(n) * variance):
         return np.full((n, n), np.nan)
-    return np.ascontiguousarray(dtrtri(factor, lower=1)[0])
+    inverse: Floats = dtrtri(factor, lower=0, overwrite_c=1)[0].T
+    return inverse
 
 
 def _least_pivot(n: int) -> float:

@@ -95,56 +95,61 @@ class Tile:
             np.concatenate([to_nodes(self.box.north, part) for part in north]),
             np.concatenate([to_nodes(self.box.east, part) for part in east]),
         )
-        corners = list(product(_slices(north), _slices(east)))
-        if any(view.smooth.any() for view in views):
-            rows, columns = (np.concatenate([part.nodes for part in x]) for x in (north, east))
-            c = _covariances(self.at, rows, columns, shape)
-            on_grid = c.reshape(len(self), len(rows), len(columns))
-            for view, (row, column) in zip(views, corners, strict=True):
-                on_grid[:, row, column] *= view.smooth[:, None, None]
-            fields[:, 1 + len(self.slope) :] += 2.0 * self._absorbed(c, fields).swapaxes(0, 1)
+        corners = product(_slices(north), _slices(east))
         return [
-            self._part(view, fields[row, :, column])
+            self._part(view, fields[row, :, column], shape)
             for view, (row, column) in zip(views, corners, strict=True)
         ]
 
+    def _part(self, view: View, fields: Floats, shape: Shape) -> Tile:
+        """Tile of a part of the box, from the fields at its nodes."""
+        first, box = 1 + len(self.slope), view.box
+        stay, go = np.flatnonzero(view.rough), np.flatnonzero(view.smooth)
+        kept = fields.take(np.concatenate([np.arange(first), first + stay]), axis=1)
+        gram = self.gram.take(stay, axis=0)
+        if len(go):
+            by_field = kept.swapaxes(0, 1)
+            c = _covariances(self.at[go], box.north.nodes, box.east.nodes, shape)
+            among = self.gram.take(go, axis=0).take(go, axis=1)
+            linear = fields.take(first + go, axis=1).swapaxes(0, 1)
+            _contribute(by_field[:first], c, among, self.slope[:, go], linear)
+            pairs = 2.0 * gram.take(go, axis=1) @ c
+            by_field[first:] += pairs.reshape(-1, *by_field.shape[1:])
+        return Tile(box, kept, self.at[stay], self.slope[:, stay], gram.take(stay, axis=1))
+
     def evaluate(self, mean: Floats, variance: Floats, shape: Shape) -> None:
         """Write the means and variances of the box into (k, ny, nx) and (ny, nx) of a grid."""
-        box, (rows, columns) = self.box, self.box.part
+        box, (rows, columns), first = self.box, self.box.part, 1 + len(self.slope)
         north, east = to_cells(box.north, box.north), to_cells(box.east, box.east)
         step = max(1, _STRIP // max(1, len(self) * len(east)))
         for start in range(0, len(north), step):
             strip = slice(start, min(start + step, len(north)))
-            fields = _interpolated(self.fields, north[strip], east)
+            by_field = _interpolated(self.fields, north[strip], east).swapaxes(0, 1)
             if len(self):
                 c = _covariances(self.at, box.north.at[strip], box.east.at, shape)
-                self._absorbed(c, fields)
+                _contribute(by_field[:first], c, self.gram, self.slope, by_field[first:])
             part = slice(rows.start + strip.start, rows.start + strip.stop), columns
-            np.negative(fields[:, 0], out=variance[part])
-            mean[:, part[0], part[1]] = fields[:, 1 : 1 + len(mean)].swapaxes(0, 1)
+            np.negative(by_field[0], out=variance[part])
+            mean[:, part[0], part[1]] = by_field[1:first]
 
-    def _absorbed(self, c: Floats, fields: Floats) -> Floats:
-        """Add what (r, p q) covariances contribute to (p, 1 + k + r, q) height and constants.
 
-        Returns
-        -------
-        ndarray
-            (r, p, q) gram c, twice of which is what they contribute to linear.
-        """
-        first, by_field = 1 + len(self.slope), fields.swapaxes(0, 1)
-        grid = -1, *by_field.shape[1:]
-        pairs = (self.gram @ c).reshape(grid)
-        linear = (pairs + by_field[first:]).reshape(c.shape)
-        by_field[0] += np.einsum("ij,ij->j", c, linear).reshape(grid)[0]
-        by_field[1:first] += (self.slope @ c).reshape(grid)
-        return pairs
+def _contribute(head: Floats, c: Floats, gram: Floats, slope: Floats, linear: Floats) -> None:
+    """Add what readings contribute to (1 + k, p, q) height and constants.
 
-    def _part(self, view: View, fields: Floats) -> Tile:
-        stay = np.flatnonzero(view.rough)
-        first = 1 + len(self.slope)
-        rows = np.concatenate([np.arange(first), first + stay])
-        gram = self.gram.take(stay, axis=0).take(stay, axis=1)
-        return Tile(view.box, fields.take(rows, axis=1), self.at[stay], self.slope[:, stay], gram)
+    Parameters
+    ----------
+    head
+        To be added to.
+    c
+        (r, p q) covariances of the readings with the points.
+    gram, slope, linear
+        (r, r), (k, r) and (r, p, q), of these readings.
+    """
+    grid = -1, *head.shape[1:]
+    both = gram @ c
+    both.reshape(grid)[...] += linear
+    head[0] += np.einsum("ij,ij->j", c, both).reshape(grid)[0]
+    head[1:] += (slope @ c).reshape(grid)
 
 
 def _slices(parts: tuple[Stretch, ...]) -> list[slice]:
@@ -215,18 +220,17 @@ class Tiler:
     def _views(self, tile: Tile) -> list[View]:
         """How the readings of a tile look from the parts of its box."""
         rows, columns = tile.box.parts
+        smoothness = self._smoothness_at(max(part.half for part in (*rows, *columns)))
         north = [(part, *part.span(tile.at[:, 1])) for part in rows]
         east = [(part, *part.span(tile.at[:, 0])) for part in columns]
-        return [
-            self._view(Box(row, column), y + x, far_y + far_x)
-            for (row, y, far_y), (column, x, far_x) in product(north, east)
-        ]
-
-    def _view(self, box: Box, nearest: Floats, furthest: Floats) -> View:
-        touching = nearest < self._shape.end**2
-        rough = self._smoothness_at(box.half).rough(nearest, furthest)
-        rough &= touching
-        return View(box, rough, touching ^ rough)
+        views = []
+        for (row, y, far_y), (column, x, far_x) in product(north, east):
+            nearest, furthest = y + x, far_y + far_x
+            touching = nearest < self._shape.end**2
+            rough = smoothness.rough(nearest, furthest)
+            rough &= touching
+            views.append(View(Box(row, column), rough, touching ^ rough))
+        return views
 
     def _smoothness_at(self, half: float) -> Smoothness:
         size = ceil(16.0 * log2(half)) if half > 0.0 else -1024
