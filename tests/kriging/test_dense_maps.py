@@ -25,9 +25,10 @@ from subsoil import (
     Variogram,
     condition,
 )
-from subsoil.kriging.chebyshev import Box, Stretch, squared_lags
+from subsoil.kriging.chebyshev import Stretch, squared_lags
 from subsoil.kriging.covariance import Covariance
 from subsoil.kriging.smoothness import smoothness
+from subsoil.kriging.tiles import Tiler
 from subsoil.variogram.models import Bounded
 
 Floats = NDArray[np.float64]
@@ -181,14 +182,30 @@ def test_covariances_said_to_be_smooth_over_a_box_are_interpolated_to_the_error_
 ) -> None:
     shape = Covariance((kind(0.0, 1.0, 1.0),), exact=False).shape(1.0)
     found = smoothness(shape, half, 1e-10)
-    axis = np.linspace(-half, half, 25)
-    box = Box(Stretch(axis, 0, 25), Stretch(axis, 0, 25))
+    side = Stretch(np.linspace(-half, half, 25), 0, 25)
     at = np.random.default_rng(0).uniform(-1, 1, (400, 2)) * max(4 * half, 1.3)
-    at = at[~found.rough(*box.span(at))]
-    nodes, cells = box.north.nodes, box.north.at
-    weights = box.north.weights(cells)
-    sampled = shape.at(np.sqrt(squared_lags(at, nodes, nodes)))
-    wanted = shape.at(np.sqrt(squared_lags(at, cells, cells)))
+    at = at[~found.rough_from(at)]
+    weights = side.weights(side.at)
+    sampled = shape.at(np.sqrt(squared_lags(at, side.nodes, side.nodes)))
+    wanted = shape.at(np.sqrt(squared_lags(at, side.at, side.at)))
     error = np.abs(weights @ sampled @ weights.T - wanted).max(initial=0.0)
     assert error < 3e-10
     assert found.reach < inf
+
+
+@pytest.mark.parametrize("reach", [25.0, 60.0, 90.0, 150.0])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_map_is_as_exact_as_its_covariances_are_asked_to_be(
+    kind: type[Bounded], reach: float
+) -> None:
+    at, z = field(100, 1)
+    ok = condition(kind(0.3, reach, 1.0), at, z)
+    easting, northing = np.linspace(0, 150, 200), np.linspace(0, 155, 200)
+    mean, variance = np.empty((1, 200, 200)), np.empty((200, 200))
+    tiler = Tiler(ok.system, easting, northing, 1e-13)
+    for tile in tiler.tiles():
+        tiler.fill(tile, mean, variance)
+    row, column = np.random.default_rng(1).integers(200, size=(2, 3000))
+    direct = ok.predict(np.column_stack([easting[column], northing[row]]))
+    np.testing.assert_allclose(mean[:, row, column], direct.mean, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(variance[row, column], direct.variance[0], rtol=0, atol=1e-11)

@@ -66,15 +66,6 @@ class Stretch:
         middle = (self.start + self.stop) // 2
         return Stretch(self.axis, self.start, middle), Stretch(self.axis, middle, self.stop)
 
-    def span(self, x: Floats) -> tuple[Floats, Floats]:
-        """(n,) squared distances from (n,) coordinates to the nearest and furthest point."""
-        away = np.abs(x - self.centre)
-        nearest = np.maximum(away - self.half, 0.0)
-        nearest *= nearest
-        away += self.half
-        away *= away
-        return nearest, away
-
     def weights(self, at: Floats) -> Floats:
         """(t, p) weights of the nodes for interpolation at (t,) coordinates of the stretch.
 
@@ -122,21 +113,16 @@ class Box:
     north: Stretch
     east: Stretch
 
-    @cached_property
-    def half(self) -> float:
-        """Half the longer side in m."""
-        return max(self.north.half, self.east.half)
-
-    @cached_property
+    @property
     def cells(self) -> int:
         """Number of cells."""
         return len(self.north) * len(self.east)
 
     @property
-    def part_nodes(self) -> int:
+    def nodes_of_parts(self) -> int:
         """Number of nodes of all parts."""
-        rows, columns = (sum(len(part.nodes) for part in parts) for parts in self.parts)
-        return rows * columns
+        rows, columns = self.parts
+        return sum(len(r.nodes) for r in rows) * sum(len(c.nodes) for c in columns)
 
     @property
     def part(self) -> tuple[slice, slice]:
@@ -152,11 +138,6 @@ class Box:
         rows = self.north.halves if tall else (self.north,)
         columns = self.east.halves if wide else (self.east,)
         return rows, columns
-
-    def span(self, at: Floats) -> tuple[Floats, Floats]:
-        """(n,) squared distances from (n, 2) places to the nearest and furthest point."""
-        east, north = self.east.span(at[:, 0]), self.north.span(at[:, 1])
-        return east[0] + north[0], east[1] + north[1]
 
 
 def squared_lags(at: Floats, north: Floats, east: Floats) -> Floats:

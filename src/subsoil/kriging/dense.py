@@ -128,9 +128,13 @@ def _spot_check(system: System, grid: Box, mean: Floats, variance: Floats) -> fl
 
 @contextmanager
 def _threads() -> Iterator[Run]:
-    """Run a function over jobs in as many threads as there are cores, BLAS in one each."""
+    """Run a function over jobs in threads, BLAS in one each.
+
+    Half as many as there are cores: more of them mostly wait for the interpreter.
+    """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(cores) as pool:
+    threads = max(1, (cores or 1) // 2)
+    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(threads) as pool:
         yield lambda work, jobs: deque(pool.map(work, jobs), maxlen=0)
 
 

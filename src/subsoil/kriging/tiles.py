@@ -19,7 +19,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise, product
-from math import ceil, log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,7 +69,7 @@ class Tile:
     box
         The cells.
     fields
-        (p, 1 + k + r, q) height, k constants and linear at the p x q nodes of the box: what
+        (1 + k + r, p, q) height, k constants and linear at the p x q nodes of the box: what
         readings that were absorbed made of them.
     at
         (r, 2) places of the readings.
@@ -97,7 +96,7 @@ class Tile:
         )
         corners = product(_slices(north), _slices(east))
         return [
-            self._part(view, fields[row, :, column], shape)
+            self._part(view, fields[:, row, column], shape)
             for view, (row, column) in zip(views, corners, strict=True)
         ]
 
@@ -105,16 +104,16 @@ class Tile:
         """Tile of a part of the box, from the fields at its nodes."""
         first, box = 1 + len(self.slope), view.box
         stay, go = np.flatnonzero(view.rough), np.flatnonzero(view.smooth)
-        kept = fields.take(np.concatenate([np.arange(first), first + stay]), axis=1)
+        kept = fields.take(np.concatenate([np.arange(first), first + stay]), axis=0)
         gram = self.gram.take(stay, axis=0)
         if len(go):
-            by_field = kept.swapaxes(0, 1)
             c = _covariances(self.at[go], box.north.nodes, box.east.nodes, shape)
             among = self.gram.take(go, axis=0).take(go, axis=1)
-            linear = fields.take(first + go, axis=1).swapaxes(0, 1)
-            _contribute(by_field[:first], c, among, self.slope[:, go], linear)
-            pairs = 2.0 * gram.take(go, axis=1) @ c
-            by_field[first:] += pairs.reshape(-1, *by_field.shape[1:])
+            linear = fields.take(first + go, axis=0)
+            _contribute(kept[:first], c, among, self.slope[:, go], linear)
+            pairs = gram.take(go, axis=1) @ c
+            pairs *= 2.0
+            kept[first:] += pairs.reshape(kept[first:].shape)
         return Tile(box, kept, self.at[stay], self.slope[:, stay], gram.take(stay, axis=1))
 
     def evaluate(self, mean: Floats, variance: Floats, shape: Shape) -> None:
@@ -124,13 +123,13 @@ class Tile:
         step = max(1, _STRIP // max(1, len(self) * len(east)))
         for start in range(0, len(north), step):
             strip = slice(start, min(start + step, len(north)))
-            by_field = _interpolated(self.fields, north[strip], east).swapaxes(0, 1)
+            fields = _interpolated(self.fields, north[strip], east)
             if len(self):
                 c = _covariances(self.at, box.north.at[strip], box.east.at, shape)
-                _contribute(by_field[:first], c, self.gram, self.slope, by_field[first:])
+                _contribute(fields[:first], c, self.gram, self.slope, fields[first:])
             part = slice(rows.start + strip.start, rows.start + strip.stop), columns
-            np.negative(by_field[0], out=variance[part])
-            mean[:, part[0], part[1]] = by_field[1:first]
+            np.negative(fields[0], out=variance[part])
+            mean[:, part[0], part[1]] = fields[1:first]
 
 
 def _contribute(head: Floats, c: Floats, gram: Floats, slope: Floats, linear: Floats) -> None:
@@ -147,7 +146,7 @@ def _contribute(head: Floats, c: Floats, gram: Floats, slope: Floats, linear: Fl
     """
     grid = -1, *head.shape[1:]
     both = gram @ c
-    both.reshape(grid)[...] += linear
+    both += linear.reshape(c.shape)
     head[0] += np.einsum("ij,ij->j", c, both).reshape(grid)[0]
     head[1:] += (slope @ c).reshape(grid)
 
@@ -165,10 +164,11 @@ def _covariances(at: Floats, north: Floats, east: Floats, shape: Shape) -> Float
 
 
 def _interpolated(fields: Floats, north: Floats, east: Floats) -> Floats:
-    """(p', f, q') of fields (p, f, q), by weights (p', p) and (q', q)."""
-    p, f, q = fields.shape
-    across = fields.reshape(p * f, q) @ east.T
-    return (north @ across.reshape(p, -1)).reshape(len(north), f, len(east))
+    """(f, p', q') of fields (f, p, q), by weights (p', p) and (q', q)."""
+    f, p, q = fields.shape
+    along = north @ fields.swapaxes(0, 1).reshape(p, f * q)
+    rows = along.reshape(len(north), f, q).swapaxes(0, 1).reshape(f * len(north), q)
+    return (rows @ east.T).reshape(f, len(north), len(east))
 
 
 class Tiler:
@@ -192,7 +192,7 @@ class Tiler:
         self._whole = _whole(system, shape, box, origin)
         self._shape = shape
         self._error = error
-        self._smoothness: dict[int, Smoothness] = {}
+        self._smoothness: dict[float, Smoothness] = {}
 
     def tiles(self) -> list[Tile]:
         """Tiles of the whole grid that are filled independently of each other."""
@@ -200,8 +200,8 @@ class Tiler:
 
     def fill(self, tile: Tile, mean: Floats, variance: Floats) -> None:
         """Write the means and variances of a tile into (k, ny, nx) and (ny, nx) of the grid."""
-        cells, nodes = tile.box.cells, tile.box.part_nodes
-        most = _work(cells, len(tile)) - _SPLIT - _work(nodes, len(tile))
+        nodes = tile.box.nodes_of_parts
+        most = _work(tile.box.cells, len(tile)) - _SPLIT - _work(nodes, len(tile))
         views = self._views(tile) if most > 0.0 else []
         rest = sum(_work(view.box.cells, int(view.rough.sum())) for view in views)
         if most > rest:
@@ -220,23 +220,22 @@ class Tiler:
     def _views(self, tile: Tile) -> list[View]:
         """How the readings of a tile look from the parts of its box."""
         rows, columns = tile.box.parts
-        smoothness = self._smoothness_at(max(part.half for part in (*rows, *columns)))
-        north = [(part, *part.span(tile.at[:, 1])) for part in rows]
-        east = [(part, *part.span(tile.at[:, 0])) for part in columns]
+        look = self._smoothness_at(max(part.half for part in (*rows, *columns)))
+        north = [(part, *look.span(tile.at[:, 1] - part.centre)) for part in rows]
+        east = [(part, *look.span(tile.at[:, 0] - part.centre)) for part in columns]
         views = []
         for (row, y, far_y), (column, x, far_x) in product(north, east):
             nearest, furthest = y + x, far_y + far_x
             touching = nearest < self._shape.end**2
-            rough = smoothness.rough(nearest, furthest)
+            rough = look.rough(nearest, furthest)
             rough &= touching
             views.append(View(Box(row, column), rough, touching ^ rough))
         return views
 
     def _smoothness_at(self, half: float) -> Smoothness:
-        size = ceil(16.0 * log2(half)) if half > 0.0 else -1024
-        if size not in self._smoothness:
-            self._smoothness[size] = smoothness(self._shape, 2.0 ** (size / 16.0), self._error)
-        return self._smoothness[size]
+        if half not in self._smoothness:
+            self._smoothness[half] = smoothness(self._shape, half, self._error)
+        return self._smoothness[half]
 
 
 def _work(cells: int, readings: int) -> float:
@@ -261,7 +260,7 @@ def _whole(system: System, shape: Shape, box: Box, origin: Floats) -> Tile:
     nodes = len(box.north.nodes), len(box.east.nodes)
     return Tile(
         box,
-        np.broadcast_to(values[:, None], (nodes[0], len(values), nodes[1])),
+        np.broadcast_to(values[:, None, None], (len(values), *nodes)),
         (readings.at - origin) / shape.length,
         shape.height * (system.y @ u),
         shape.height**2 * (u.T @ u),
