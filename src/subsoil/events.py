@@ -13,7 +13,7 @@ from uuid import uuid4
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
-from subsoil.variogram import Bounded, model_named, name_of
+from subsoil.variogram import Bounded, Nested, Structure, model_named, name_of, name_of_kind
 
 Place = tuple[float, float]
 
@@ -95,30 +95,62 @@ class Refused(_Event):
     tries: int
 
 
-class Model(BaseModel):
-    """A variogram by name and parameters."""
-
+class _Record(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class BoundedRecord(_Record):
+    """A bounded variogram by name and parameters."""
 
     name: str
     nugget: float
     range: float
     psill: float
 
-    @classmethod
-    def of(cls, variogram: Bounded) -> Model:
-        """Record of a bounded model."""
-        return cls(
-            name=name_of(variogram),
-            nugget=variogram.nugget,
-            range=variogram.range,
-            psill=variogram.psill,
-        )
-
     @property
     def variogram(self) -> Bounded:
         """The model recorded."""
         return model_named(self.name)(self.nugget, self.range, self.psill)
+
+
+class StructureRecord(_Record):
+    """A term of a nested variogram."""
+
+    share: float
+    name: str
+    range: float
+
+
+class NestedRecord(_Record):
+    """A nested variogram by its sill and structures."""
+
+    sill: float
+    structures: tuple[StructureRecord, ...]
+
+    @property
+    def variogram(self) -> Nested:
+        """The model recorded."""
+        terms = (Structure(s.share, model_named(s.name), s.range) for s in self.structures)
+        return Nested(self.sill, tuple(terms))
+
+
+Model = BoundedRecord | NestedRecord
+
+
+def model_record(variogram: Bounded | Nested) -> Model:
+    """Record of a variogram."""
+    if isinstance(variogram, Nested):
+        terms = (
+            StructureRecord(share=s.share, name=name_of_kind(s.kind), range=s.range)
+            for s in variogram.structures
+        )
+        return NestedRecord(sill=variogram.sill, structures=tuple(terms))
+    return BoundedRecord(
+        name=name_of(variogram),
+        nugget=variogram.nugget,
+        range=variogram.range,
+        psill=variogram.psill,
+    )
 
 
 class Fitted(_Event):

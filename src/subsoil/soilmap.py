@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from subsoil.errors import ParameterError
 from subsoil.kriging import Estimate, condition, over
 from subsoil.layers import Layers, Sample
-from subsoil.variogram import Estimator, Fit
+from subsoil.variogram import Estimator, Fit, Nested
 from subsoil.variogram.models import Variogram
 
 Floats = NDArray[np.float64]
@@ -28,13 +28,26 @@ class Stack:
         Their indices.
     estimate
         What they were kriged to, cell by cell.
+    unit
+        (g,) or (1,) what the variances of the estimate are multiples of: the sills of nested models
+        of one shape, which one system of sill 1 krigs all of, or else 1.
     samples
         Number of samples taken into account, those that did not reach these layers included.
     """
 
     layers: tuple[int, ...]
     estimate: Estimate
+    unit: Floats
     samples: int
+
+    @property
+    def variance(self) -> Floats:
+        """(g, N) kriging variance of the layers."""
+        return self.unit[:, None] * self.estimate.prediction.variance
+
+    def variance_drop(self, cells: NDArray[np.int64]) -> Floats:
+        """(g, k, N) fall of the variance if one of k cells were probed."""
+        return self.unit[:, None, None] * self.estimate.variance_drop(cells)
 
 
 @dataclass(frozen=True)
@@ -136,19 +149,20 @@ class SoilMap:
 
     def _begun(self, layers: tuple[int, ...]) -> Stack:
         """Krige layers from nothing."""
-        models = tuple(self.variograms[k] for k in layers)
         at, kpa, error = self._readings(layers)
-        shared = models[0] if len(set(models)) == 1 else models
-        estimate = over(condition(shared, at, kpa, error_variance=error), self.cells)
-        return Stack(layers, estimate, len(self.samples))
+        models, unit = _in_units(tuple(self.variograms[k] for k in layers), error)
+        estimate = over(condition(models, at, kpa, error_variance=error), self.cells)
+        return Stack(layers, estimate, unit, len(self.samples))
 
     def _followed(self, stack: Stack) -> Stack:
         """Bring a stack up to the last sample."""
         at, kpa, error = self._readings(stack.layers, since=stack.samples)
         if not len(at):
             return replace(stack, samples=len(self.samples))
+        if error.any() and (stack.unit != 1.0).any():
+            return self._begun(stack.layers)
         estimate = stack.estimate.append(at, kpa, error_variance=error)
-        return Stack(stack.layers, estimate, len(self.samples))
+        return replace(stack, estimate=estimate, samples=len(self.samples))
 
     def _readings(self, layers: tuple[int, ...], since: int = 0) -> tuple[Floats, Floats, Floats]:
         """(n, 2) places, (g, n) kPa and (n,) error variances of samples that reached layers."""
@@ -165,7 +179,7 @@ class SoilMap:
     @cached_property
     def variance(self) -> Floats:
         """(m, N) kriging variance in kPa2; NaN in layers that no sample reached."""
-        return self._laid_out([stack.estimate.prediction.variance for stack in self.stacks])
+        return self._laid_out([stack.variance for stack in self.stacks])
 
     def _laid_out(self, by_stack: Sequence[Floats]) -> Floats:
         result = np.full((len(self.layers), len(self.cells)), np.nan)
@@ -220,7 +234,7 @@ class SoilMap:
         drop = np.zeros((len(index), len(self.cells)))
         for stack in self.stacks:
             weights = self._weights[list(stack.layers)]
-            drop += np.einsum("m,mkn->kn", weights, stack.estimate.variance_drop(index))
+            drop += np.einsum("m,mkn->kn", weights, stack.variance_drop(index))
         return drop
 
     @property
@@ -233,7 +247,8 @@ class SoilMap:
         for stack in self.stacks:
             models = stack.estimate.kriging.variograms
             for k, layer in enumerate(stack.layers):
-                used[layer] = models[k % len(models)]
+                if not isinstance(used[layer], Nested):
+                    used[layer] = models[k % len(models)]
         return tuple(used)
 
     @property
@@ -247,3 +262,21 @@ class SoilMap:
             f"{', '.join(replaced)}: bounded linear model not valid in the plane for these "
             "readings: kriged with the circular model of the same slope",
         )
+
+
+def _in_units(
+    models: tuple[Variogram, ...], error: Floats
+) -> tuple[Variogram | tuple[Variogram, ...], Floats]:
+    """Models to krige with, one where one does for all layers, and the unit of their variances.
+
+    Nested models of one shape give the same weights whatever their sills: unless readings have
+    errors, which are in units of the data.
+    """
+    first = models[0]
+    alike = isinstance(first, Nested) and all(
+        isinstance(model, Nested) and model.structures == first.structures and model.sill > 0
+        for model in models
+    )
+    if isinstance(first, Nested) and alike and not error.any():
+        return first.with_sill(1.0), np.array([model.sill for model in models])
+    return (first if len(set(models)) == 1 else models), np.ones(1)

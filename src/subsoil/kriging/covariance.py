@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.variogram.models import Bounded, Variogram
+from subsoil.variogram.nested import Nested
 
 Floats = NDArray[np.float64]
 
@@ -87,6 +88,9 @@ class Covariance:
         (v,) = self.variograms
         if isinstance(v, Bounded):
             return Shape(v.range, v.psill, v.correlation, v.breaks)
+        if isinstance(v, Nested):
+            shortest = min(structure.range for structure in v.structures)
+            return Shape(shortest, v.sill, lambda lag: v.correlation(shortest * lag), ())
         height = float(v.rise(np.array(extent))) or 1.0
         return Shape(extent, height, lambda lag: -v.rise(extent * lag) / height, ())
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from subsoil.errors import ParameterError
 from subsoil.plots.sheet import COLD, FAINT, INK, SMALL, TEXT, WARM, blank, head, sheet
 from subsoil.soilmap import SoilMap
-from subsoil.variogram import Bounded, Fit, Variogram, name_of, semivariance
+from subsoil.variogram import Bounded, Fit, Nested, Variogram, name_of, semivariance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,7 +69,7 @@ def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> 
     return figure
 
 
-def parameters(model: Bounded) -> str:
+def parameters(model: Bounded | Nested) -> str:
     """Nugget and sill in 1000 kPa2 and the range, in a few words."""
     nugget, sill = model.nugget / _THOUSAND, model.sill / _THOUSAND
     return f"nugget {nugget:.3g}, sill {sill:.3g}, range {model.range:.0f} m"

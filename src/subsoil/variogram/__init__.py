@@ -37,9 +37,11 @@ from subsoil.variogram.models import (
     Spherical,
     Variogram,
     model_named,
-    name_of,
+    name_of_kind,
     semivariance,
 )
+from subsoil.variogram.nested import Nested, Structure, name_of
+from subsoil.variogram.pooled import Pooled, Posterior
 
 __all__ = [
     "ESTIMATORS",
@@ -56,9 +58,13 @@ __all__ = [
     "LeastSquares",
     "Matern32",
     "Matern52",
+    "Nested",
+    "Pooled",
+    "Posterior",
     "Power",
     "PureNugget",
     "Spherical",
+    "Structure",
     "Variogram",
     "Weights",
     "empirical",
@@ -68,6 +74,7 @@ __all__ = [
     "fit_layers",
     "model_named",
     "name_of",
+    "name_of_kind",
     "paper_10",
     "semivariance",
 ]

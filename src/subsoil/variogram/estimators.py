@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, nan
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from subsoil.variogram.fitting import (
     with_floor,
 )
 from subsoil.variogram.models import Bounded, BoundedLinear, Exponential, Matern32, Spherical
+from subsoil.variogram.pooled import Pooled
 
 Floats = NDArray[np.float64]
 
@@ -142,11 +143,7 @@ class LeastSquares:
         return Fit(
             variogram=variogram,
             empirical=curve,
-            sse=nan,
-            r2=nan,
-            weights=self.weights,
-            starts=0,
-            at_bound=(),
+            is_prior=True,
             why=f"{lack}: prior of {share:g} % nugget and {self.prior_range:g} m range {scale}, "
             "not a fit",
         )
@@ -177,6 +174,7 @@ ESTIMATORS: dict[str, Estimator] = {
     "spherical": LeastSquares(Spherical, nugget_floor=0.1),
     "exponential": LeastSquares(Exponential, nugget_floor=0.1),
     "matern-3/2": LeastSquares(Matern32, nugget_floor=0.1),
+    "pmc": Pooled(),
 }
 """Estimators by the name the command line and the journal use."""
 

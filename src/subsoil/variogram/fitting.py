@@ -19,6 +19,7 @@ from subsoil.errors import ParameterError, ReadingsError
 from subsoil.variogram.empirical import EmpiricalVariogram
 from subsoil.variogram.least_squares import ZOOMS, geometric, padded, search
 from subsoil.variogram.models import Bounded
+from subsoil.variogram.nested import Nested
 
 Floats = NDArray[np.float64]
 Weights = Literal["pairs", "pairs/lag2", "pairs/gamma2"]
@@ -36,39 +37,31 @@ class Fit:
     Attributes
     ----------
     variogram
-        The fitted model, or the prior where there was too little to fit. Without a rise its
-        range is the shortest allowed and means nothing.
+        The model: fitted, averaged, or the prior where there was too little for either. Without a
+        rise a fitted range is the shortest allowed and means nothing.
     empirical
-        The bins it was fitted to.
-    sse
-        Weighted sum of squared residuals of the bins; NaN for a prior.
-    r2
-        Share of the bins' weighted variance around their weighted mean that the curve explains:
-        1 at best, negative where a nugget floor makes it worse than a flat line, NaN for a prior
-        and for bins that do not vary. It judges the curve, not how well a map predicts.
-    weights
-        What the bins were weighted by.
-    starts
-        Ranges in the first grid of the search; 0 for a prior.
-    at_bound
-        Which of ``"nugget"``, ``"range"`` and ``"psill"`` ended on a bound.
+        The bins of the samples.
+    is_prior
+        Whether the model was assumed rather than learnt from the samples.
     why
         The outcome in a sentence.
+    sse
+        Weighted sum of squared residuals of the bins; NaN where they were not fitted to.
+    r2
+        Share of the bins' weighted variance around their weighted mean that the curve explains:
+        1 at best, negative where a nugget floor makes it worse than a flat line, NaN where bins
+        were not fitted to or do not vary. It judges the curve, not how well a map predicts.
+    at_bound
+        Which of ``"nugget"``, ``"range"`` and ``"psill"`` ended on a bound of the search.
     """
 
-    variogram: Bounded
+    variogram: Bounded | Nested
     empirical: EmpiricalVariogram
-    sse: float
-    r2: float
-    weights: Weights
-    starts: int
-    at_bound: tuple[str, ...]
+    is_prior: bool
     why: str
-
-    @property
-    def is_prior(self) -> bool:
-        """Whether the variogram was assumed rather than fitted."""
-        return self.starts == 0
+    sse: float = nan
+    r2: float = nan
+    at_bound: tuple[str, ...] = ()
 
 
 def fit(
@@ -168,8 +161,6 @@ def fit_layers(
             model(*best),
             line[: curve.lag.size],
             limits,
-            weights=weights,
-            starts=starts,
             nugget_floor=nugget_floor,
         )
         for curve, best, line, limits in zip(
@@ -237,8 +228,6 @@ def _report(
     weight: Floats,
     bounds: Sequence[float],
     *,
-    weights: Weights,
-    starts: int,
     nugget_floor: float,
 ) -> Fit:
     """Raise the nugget of the best variogram to its floor and report on the outcome."""
@@ -254,13 +243,12 @@ def _report(
     return Fit(
         variogram=variogram,
         empirical=empirical,
-        sse=sse,
-        r2=1.0 - sse / spread if spread > 1e-12 * float(weight @ gamma**2) else nan,
-        weights=weights,
-        starts=starts,
-        at_bound=tuple(name for name, hit in on_bound.items() if hit),
+        is_prior=False,
         why=_outcome(empirical, best, bounds)
         + (f"; nugget raised to {100 * nugget_floor:g} % of the sill" * (variogram is not best)),
+        sse=sse,
+        r2=1.0 - sse / spread if spread > 1e-12 * float(weight @ gamma**2) else nan,
+        at_bound=tuple(name for name, hit in on_bound.items() if hit),
     )
 
 

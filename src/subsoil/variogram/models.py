@@ -288,6 +288,6 @@ def model_named(name: str) -> type[Bounded]:
     return MODELS[name]
 
 
-def name_of(model: Bounded) -> str:
-    """Name of a bounded model, as :func:`model_named` takes it."""
-    return next(name for name, kind in MODELS.items() if type(model) is kind)
+def name_of_kind(kind: type[Bounded]) -> str:
+    """Name of a kind of bounded model, as :func:`model_named` takes it."""
+    return next(name for name, known in MODELS.items() if known is kind)

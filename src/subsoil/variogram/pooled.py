@@ -1,0 +1,317 @@
+"""The pooled posterior-mean correlogram: one shape for all layers, averaged and not fitted.
+
+With a dozen or two samples the data single out no variogram: the best fit to them is mostly
+chance. Here every correlogram of a grid is weighted by how likely it makes the readings of all
+layers together and how plausible it is beforehand, and kriging takes the weighted mean of them
+all (Bayesian kriging by model averaging; Handcock & Stein 1993, Technometrics 35, 403, and Diggle
+& Ribeiro, *Model-based Geostatistics*, 2007, ch. 7, for sills and means that are integrated or
+profiled out). A mixture of valid correlograms is valid. Layers keep a sill each.
+
+Layers are not independent witnesses: their joint log likelihood counts for as many layers as the
+eigenvalues of their correlation say there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from subsoil.errors import ParameterError
+from subsoil.variogram.empirical import empirical_layers
+from subsoil.variogram.fitting import Fit
+from subsoil.variogram.likelihood import blocks, lags_of, restricted
+from subsoil.variogram.models import Bounded, Exponential, Gaussian, Matern32, name_of_kind
+from subsoil.variogram.nested import Nested, Structure, without_traces
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Integers = NDArray[np.int64]
+
+FEWEST_SAMPLES = 3
+"""Samples of a layer below which it says nothing of the correlogram."""
+_TRACE = 1e-3
+"""Share of the whole below which a structure is left out of the mean."""
+_SHRINKING = 0.9
+"""Weight of the layers' sample correlation against none."""
+_UNKNOWN_LAYERS = 2.0
+"""Independent layers assumed while samples are too few for a correlation."""
+_FEWEST_FOR_CORRELATION = 4
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """How likely the correlograms of a grid are: kinds of model by ranges by nugget shares.
+
+    Attributes
+    ----------
+    kinds
+        (a,) kinds of model.
+    ranges
+        (b,) practical ranges in m.
+    nugget_shares
+        (c,) shares of the nugget in the sill.
+    weights
+        (a, b, c) probabilities, summing to one.
+    layers
+        Number of independent layers that the readings counted for; 0 for the prior alone.
+    """
+
+    kinds: tuple[type[Bounded], ...]
+    ranges: tuple[float, ...]
+    nugget_shares: tuple[float, ...]
+    weights: Floats
+    layers: float
+
+    @cached_property
+    def structures(self) -> tuple[Structure, ...]:
+        """Mean correlogram, as structures of a nested model; traces are left out."""
+        shares = self.weights @ (1.0 - np.array(self.nugget_shares))
+        return without_traces(
+            (
+                Structure(float(share), kind, reach)
+                for kind, row in zip(self.kinds, shares, strict=True)
+                for reach, share in zip(self.ranges, row, strict=True)
+            ),
+            _TRACE,
+        )
+
+    @property
+    def kind_weights(self) -> dict[str, float]:
+        """Probability of each kind of model, by its name."""
+        by_kind = self.weights.sum(axis=(1, 2)).tolist()
+        return {name_of_kind(kind): p for kind, p in zip(self.kinds, by_kind, strict=True)}
+
+    def range_at(self, probability: float) -> float:
+        """Quantile of the practical range in m, to the grid."""
+        return _quantile(self.ranges, self.weights.sum(axis=(0, 2)), probability)
+
+    def nugget_at(self, probability: float) -> float:
+        """Quantile of the nugget's share, to the grid."""
+        return _quantile(self.nugget_shares, self.weights.sum(axis=(0, 1)), probability)
+
+    def __str__(self) -> str:
+        kinds = ", ".join(f"{name} {p:.0%}" for name, p in self.kind_weights.items())
+        return (
+            f"range {self.range_at(0.5):.0f} m (90 % between {self.range_at(0.05):.0f} and "
+            f"{self.range_at(0.95):.0f}), nugget {self.nugget_at(0.5):.0%} "
+            f"({self.nugget_at(0.05):.0%} to {self.nugget_at(0.95):.0%}), {kinds}"
+        )
+
+
+@dataclass(frozen=True)
+class Pooled:
+    """An :data:`~subsoil.variogram.estimators.Estimator`: the pooled posterior-mean correlogram.
+
+    A layer's samples are those that reached it: a layer of fewer samples has a likelihood of its
+    own samples, under the same correlograms. Above a hundred samples the likelihood is taken by
+    compact blocks of at most a hundred.
+
+    Parameters
+    ----------
+    kinds
+        Kinds of model, equally plausible beforehand.
+    shortest_range, longest_range, ranges
+        Geometric grid of practical ranges in m.
+    median_range, log_sd
+        Prior of the range: log-normal with this median in m and this SD of its logarithm.
+    nugget_shares, nugget_weights
+        Grid of the nugget's share in the sill, and its prior.
+    prior_sill
+        Sill in squared units of the data where no layer tells one.
+
+    Raises
+    ------
+    ParameterError
+        If a setting is outside what it may be, or the prior range outside its grid.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> at = rng.uniform(0, 150, (40, 2))
+    >>> waves = np.stack([np.sin(at[:, 0] / 25), np.cos(at[:, 1] / 25)])
+    >>> first, second = Pooled()(at, 1500 + 300 * waves)
+    >>> first.variogram.structures == second.variogram.structures
+    True
+    >>> Pooled().posterior(at, waves).range_at(0.5) > 60
+    True
+    """
+
+    kinds: tuple[type[Bounded], ...] = (Exponential, Matern32, Gaussian)
+    shortest_range: float = 12.0
+    longest_range: float = 160.0
+    ranges: int = 12
+    median_range: float = 45.0
+    log_sd: float = 0.6
+    nugget_shares: tuple[float, ...] = (0.001, 0.05, 0.15, 0.3, 0.5, 0.75)
+    nugget_weights: tuple[float, ...] = (0.2, 0.2, 0.2, 0.2, 0.14, 0.06)
+    prior_sill: float = 1.0
+
+    def __post_init__(self) -> None:
+        for ok, what in (
+            (self.kinds, "no kind of model"),
+            (all(k.valid_dims >= 2 for k in self.kinds), "a kind not valid in the plane"),
+            (0 < self.shortest_range <= self.longest_range < inf, "a grid of ranges without any"),
+            (self.ranges >= 1, f"{self.ranges} ranges"),
+            (
+                self.shortest_range <= self.median_range <= self.longest_range,
+                f"a prior range of {self.median_range:g} m outside "
+                f"{self.shortest_range:g}-{self.longest_range:g} m",
+            ),
+            (0 < self.log_sd < inf, f"a log SD of {self.log_sd:g}"),
+            (all(0 < s < 1 for s in self.nugget_shares), "a nugget share not between 0 and 1"),
+            (
+                len(self.nugget_weights) == len(self.nugget_shares) > 0
+                and min(self.nugget_weights) >= 0 < sum(self.nugget_weights),
+                "not one weight a nugget share",
+            ),
+            (0 < self.prior_sill < inf, f"a prior sill of {self.prior_sill:g}"),
+        ):
+            if not ok:
+                raise ParameterError(
+                    f"the pooled correlogram has {what}",
+                    where="estimator pmc",
+                    remedy="see subsoil.variogram.Pooled for what each setting may be",
+                )
+
+    def __call__(self, at: Floats, z: Floats) -> tuple[Fit, ...]:
+        """Weight the correlograms by values (m, n) at places (n, 2); one fit a layer."""
+        posterior = self.posterior(at, z)
+        sills = self._sills(posterior, at, z)
+        known = sills[np.isfinite(sills)]
+        usual = float(known.mean()) if known.size else self.prior_sill
+        curves = empirical_layers(at, z)
+        return tuple(
+            Fit(
+                variogram=Nested(sill if np.isfinite(sill) else usual, posterior.structures),
+                empirical=curve,
+                is_prior=not (posterior.layers and np.isfinite(sill)),
+                why=_why(posterior, int(np.isfinite(layer).sum()), sill, known.size),
+            )
+            for curve, layer, sill in zip(curves, z, sills.tolist(), strict=True)
+        )
+
+    def posterior(self, at: Floats, z: Floats) -> Posterior:
+        """Probabilities of the correlograms, given values (m, n), NaN where not measured."""
+        log, layers = self._log_prior, 0.0
+        tells = _telling(z)
+        if tells.any():
+            layers = independent_layers(z[tells])
+            with threadpool_limits(1, user_api="blas"):
+                log = log + layers / tells.sum() * self._log_likelihood(at, z[tells])
+        weights = np.exp(log - log.max())
+        return Posterior(
+            self.kinds, self._ranges, self.nugget_shares, weights / weights.sum(), layers
+        )
+
+    @cached_property
+    def _ranges(self) -> tuple[float, ...]:
+        ranges = np.geomspace(self.shortest_range, self.longest_range, self.ranges)
+        return tuple(ranges.tolist())
+
+    @cached_property
+    def _log_prior(self) -> Floats:
+        """(a, b, c) log prior of the grid."""
+        away = (np.log(self._ranges) - np.log(self.median_range)) / self.log_sd
+        nugget = np.array(self.nugget_weights) / sum(self.nugget_weights)
+        with np.errstate(divide="ignore"):
+            log: Floats = -0.5 * away[:, None] ** 2 + np.log(nugget)
+        return np.tile(log, (len(self.kinds), 1, 1))
+
+    def _log_likelihood(self, at: Floats, z: Floats) -> Floats:
+        """(a, b, c) log likelihood of the grid, summed over layers."""
+        total = np.zeros((len(self.kinds), self.ranges, len(self.nugget_shares)))
+        for reached, layers in _by_reach(z):
+            here = np.flatnonzero(reached)
+            for block in blocks(at[here]):
+                members = here[block]
+                total += self._of_block(at[members], z[np.ix_(layers, members)])
+        return total
+
+    def _of_block(self, at: Floats, z: Floats) -> Floats:
+        """(a, b, c) log likelihood of readings that reached all of some layers."""
+        z = z[np.ptp(z, axis=1) > 0]
+        lag = lags_of(at)
+        scaled = lag / np.array(self._ranges)[:, None, None]
+        rho = np.stack([kind.correlation(scaled) for kind in self.kinds])
+        share = np.array(self.nugget_shares)[:, None, None]
+        correlation = (1.0 - share) * rho[:, :, None] + share * np.eye(len(at))
+        found = restricted(correlation.reshape(-1, len(at), len(at)), z)
+        shape = len(self.kinds), self.ranges, len(self.nugget_shares)
+        return np.reshape(found.log.sum(axis=1), shape)
+
+    def _sills(self, posterior: Posterior, at: Floats, z: Floats) -> Floats:
+        """(m,) sill of each layer under the mean correlogram; NaN where samples tell none."""
+        sills = np.full(len(z), np.nan)
+        shape = Nested(1.0, posterior.structures)
+        for reached, layers in _by_reach(z):
+            values = z[np.ix_(layers, np.flatnonzero(reached))]
+            differ = np.ptp(values, axis=1) > 0
+            if differ.any():
+                correlation = shape.correlation(lags_of(at[reached]))
+                np.fill_diagonal(correlation, 1.0)
+                squares = restricted(correlation[None], values[differ]).squares[0]
+                sills[layers[differ]] = squares / (values.shape[1] - 1)
+        return sills
+
+
+def independent_layers(z: Floats) -> float:
+    """Effective number of independent layers among (m, n) values, NaN where not measured.
+
+    (sum of eigenvalues)^2 / sum of their squares, of the layers' correlation shrunk towards none
+    by a tenth (participation ratio; Bretherton et al. 1999, J. Climate 12, 1990): m^2 over the sum
+    of squared correlations. Two layers correlate by the samples that reached both.
+
+    Examples
+    --------
+    >>> round(independent_layers(np.array([[1.0, 5.0, 2.0, 8.0], [2.0, 10.0, 4.0, 16.0]])), 3)
+    1.105
+    """
+    reached = np.isfinite(z)
+    if reached.all(axis=0).sum() < _FEWEST_FOR_CORRELATION:
+        return min(_UNKNOWN_LAYERS, float(len(z)))
+    away = np.where(reached, z - np.nanmean(z, axis=1, keepdims=True), 0.0)
+    away /= np.sqrt((away**2).sum(axis=1, keepdims=True) / reached.sum(axis=1, keepdims=True))
+    known = reached.astype(float)
+    correlation = away @ away.T / (known @ known.T)
+    shrunk = _SHRINKING * correlation + (1.0 - _SHRINKING) * np.eye(len(z))
+    return float(len(z) ** 2 / (shrunk**2).sum())
+
+
+def _telling(z: Floats) -> Bools:
+    """(m,) layers whose samples say something of the correlogram: some, and they differ."""
+    known = [layer[np.isfinite(layer)] for layer in z]
+    return np.array([k.size >= FEWEST_SAMPLES and np.ptp(k) > 0 for k in known])
+
+
+def _by_reach(z: Floats) -> list[tuple[Bools, Integers]]:
+    """Layers that the same samples reached, with which these are; layers without any left out."""
+    groups: dict[bytes, list[int]] = {}
+    reached = np.isfinite(z)
+    for layer in np.flatnonzero(reached.any(axis=1)).tolist():
+        groups.setdefault(reached[layer].tobytes(), []).append(layer)
+    return [(reached[layers[0]], np.array(layers)) for layers in groups.values()]
+
+
+def _quantile(values: Sequence[float], weights: Floats, probability: float) -> float:
+    """Least of ascending values up to which the weights come to a probability."""
+    order = np.argsort(values)
+    summed = np.cumsum(weights[order])
+    return float(values[int(order[np.searchsorted(summed, probability * summed[-1])])])
+
+
+def _why(posterior: Posterior, samples: int, sill: float, known: int) -> str:
+    """How a layer's model was come by, in a sentence."""
+    base = "posterior mean" if posterior.layers else "prior mean"
+    of = (
+        ""
+        if np.isfinite(sill)
+        else f"; {samples} samples tell no sill: "
+        + ("that of the other layers, a guess" if known else "an assumed one")
+    )
+    return f"pooled {base} of the correlogram: {posterior}{of}"
