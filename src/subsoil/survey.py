@@ -2,8 +2,8 @@
 
 :func:`apply` takes one event into account; :func:`next_event` says what follows from a state
 without anything from outside: variograms are refitted on schedule, the strategy plans after every
-report, and the survey finishes when a limit is reached. Both are pure, so a survey that was cut
-short goes on exactly as one that was not.
+report, and the survey finishes when a limit or a goal is reached. Both are pure, so a survey that
+was cut short goes on exactly as one that was not.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import reduce
-from math import nan
+from math import hypot, nan
 
 import numpy as np
 import shapely
@@ -24,22 +24,23 @@ from subsoil.events import (
     Event,
     Finished,
     Fitted,
-    Model,
     Opened,
     Planned,
     Refused,
     Sampled,
+    model_record,
 )
 from subsoil.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Cone, Insertion
 from subsoil.soilmap import SoilMap
-from subsoil.stopping import Limits, Spent
+from subsoil.stopping import Rates, Spent, Standing
 from subsoil.strategies import Plan, View, strategy_named
 from subsoil.variogram import estimator_named
 
 _STRATEGY_STREAM = 2
 _NEVER = -1
+_NOTHING_MEASURED = Standing()
 _FEW = 12
 """Samples up to which variograms are estimated anew after each, whatever the schedule."""
 
@@ -72,6 +73,8 @@ class Survey:
         Reports taken into account by the plan; -1 if there is none under these settings.
     fitted_at
         Samples taken into account by the variograms.
+    standing
+        How the goals of these settings stand.
     finished
         Why it is over; empty while it is not.
     reports
@@ -94,6 +97,7 @@ class Survey:
     charged_at: float = 0.0
     planned_at: int = _NEVER
     fitted_at: int = 0
+    standing: Standing = _NOTHING_MEASURED
     finished: str = ""
     reports: frozenset[str] = frozenset()
 
@@ -125,7 +129,20 @@ class Survey:
     @property
     def spent(self) -> Spent:
         """What it has cost, and what it has to show."""
-        return Spent(len(self.visited), self.metres, self.minutes, self.mean_kv)
+        return self._spent(len(self.visited), self.metres, self.minutes)
+
+    @property
+    def spent_after_next(self) -> Spent:
+        """What it will have cost after the next planned stop, at its pace and with one push."""
+        east, north = self.field.cells[self.plan[0]]
+        metres = hypot(east - self.position[0], north - self.position[1])
+        minutes = self.minutes + self.configured.pace.minutes(metres, 1)
+        return self._spent(len(self.visited) + 1, self.metres + metres, minutes)
+
+    def _spent(self, samples: int, metres: float, minutes: float) -> Spent:
+        rates = self.settings[-1].rates if self.settings else Rates()
+        money = rates.money(samples, metres, minutes)
+        return Spent(samples, metres, minutes, self.mean_kv, money)
 
     @property
     def mean_kv(self) -> float:
@@ -198,7 +215,10 @@ def apply(survey: Survey, event: Event) -> Survey:
             soil_map = survey.soil_map.refit(variograms)
             return replace(survey, soil_map=soil_map, fitted_at=event.samples)
         case Planned():
-            return replace(survey, plan=event.cells, reason=event.reason, planned_at=event.step)
+            goals, taken = survey.configured.goals, len(survey.visited)
+            standing = survey.standing.updated(goals, taken, event.measures)
+            survey = replace(survey, plan=event.cells, reason=event.reason, standing=standing)
+            return replace(survey, planned_at=event.step)
         case BatterySwapped():
             return replace(survey, charged_at=survey.seconds, finished="")
         case Finished():
@@ -215,12 +235,13 @@ def next_event(survey: Survey) -> Event | None:
     taken = len(survey.visited)
     if taken and _refit_due(survey):
         return _fit(survey)
-    limits = Limits(settings.samples, settings.metres, settings.minutes, settings.mean_kv)
-    if reason := limits.reached(survey.spent):
+    if reason := settings.limits.reached(survey.spent):
         return Finished(reason=reason)
     if survey.planned_at != survey.step:
         return _plan(survey)
-    return None if survey.plan else Finished(reason="every planned stop is made")
+    if reason := _enough(survey):
+        return Finished(reason=reason)
+    return None
 
 
 def view(survey: Survey) -> View:
@@ -253,6 +274,7 @@ def _configure(survey: Survey, event: Configured) -> Survey:
         position=survey.position if survey.step else event.start,
         plan=(),
         planned_at=_NEVER,
+        standing=_NOTHING_MEASURED,
         finished="",
     )
 
@@ -290,7 +312,7 @@ def _fit(survey: Survey) -> Fitted:
     fits = survey.soil_map.fit(estimator_named(survey.configured.estimator))
     return Fitted(
         samples=len(survey.visited),
-        models=tuple(Model.of(fit.variogram) for fit in fits),
+        models=tuple(model_record(fit.variogram) for fit in fits),
         why=tuple(fit.why for fit in fits),
     )
 
@@ -304,7 +326,26 @@ def _plan(survey: Survey) -> Planned:
         cells=plan.cells,
         reason=plan.reason,
         mean_kv=survey.mean_kv,
+        measures=_measures(survey, plan),
     )
+
+
+def _measures(survey: Survey, plan: Plan) -> tuple[float, ...]:
+    """What the goals measure; nothing can be said of a map of one sample."""
+    goals = survey.configured.goals
+    if len(survey.visited) < 2:
+        return (nan,) * len(goals)
+    return tuple(goal.measure(survey.soil_map, plan.cells) for goal in goals)
+
+
+def _enough(survey: Survey) -> str:
+    """Why to stop once the plan is made; empty to go on to its next stop."""
+    settings = survey.configured
+    if reason := survey.standing.reached(settings.goals):
+        return reason
+    if not survey.plan:
+        return "every planned stop is made"
+    return settings.limits.passed(survey.spent, survey.spent_after_next)
 
 
 def _check_plan(survey: Survey, plan: Plan) -> None:

@@ -246,7 +246,13 @@ class Pooled:
         return np.reshape(found.log.sum(axis=1), shape)
 
     def _sills(self, posterior: Posterior, at: Floats, z: Floats) -> Floats:
-        """(m,) sill of each layer under the mean correlogram; NaN where samples tell none."""
+        """(m,) sill of each layer under the mean correlogram; NaN where samples tell none.
+
+        SS / (n - 3), the mean of the sill's posterior with n - 1 degrees of freedom and the
+        variance of the Student t that predictions then follow (Kitanidis 1986, Water Resour. Res.
+        22, 499): not SS / (n - 1), its unbiased estimate, which knows nothing of its own error.
+        With four samples or fewer there is no such mean, and SS stands for it.
+        """
         sills = np.full(len(z), np.nan)
         shape = Nested(1.0, posterior.structures)
         for reached, layers in _by_reach(z):
@@ -256,7 +262,7 @@ class Pooled:
                 correlation = shape.correlation(lags_of(at[reached]))
                 np.fill_diagonal(correlation, 1.0)
                 squares = restricted(correlation[None], values[differ]).squares[0]
-                sills[layers[differ]] = squares / (values.shape[1] - 1)
+                sills[layers[differ]] = squares / max(values.shape[1] - 3, 1)
         return sills
 
 
