@@ -12,7 +12,9 @@ from shapely.geometry.polygon import Polygon
 from subsoil.events import Event, Planned, Refused, Sampled
 from subsoil.geopackage import add_layer, insert
 from subsoil.layers import Layers, LayerState
+from subsoil.routing import way
 from subsoil.survey import Survey, sample_of
+from subsoil.travel import travel_of
 
 _STATES = {
     LayerState.MEASURED: "measured",
@@ -119,5 +121,5 @@ def _draw_plan(database: sqlite3.Connection, srs: int, survey: Survey) -> None:
     for rank, (cell, stop) in enumerate(zip(survey.plan, stops, strict=True)):
         insert(database, "targets", Point(stop), srs, {"cell": cell, "rank": rank + 1})
     if survey.plan:
-        way = LineString([survey.position, *stops])
-        insert(database, "route", way, srs, {"metres": way.length})
+        line = LineString(way(travel_of(survey.field), survey.position, stops))
+        insert(database, "route", line, srs, {"metres": line.length})

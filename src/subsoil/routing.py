@@ -1,5 +1,6 @@
 """Short open routes through places: from where the agent is, ending anywhere.
 
+Lengths are those of the ways that a :class:`subsoil.travel.Travel` finds through the field.
 A new set of stops is ordered by ``fast-tsp``; a route that changes while it is driven keeps its
 order as far as it can: stops are put in where they cost least, then 2-opt and or-opt moves shorten
 it (Croes 1958, Oper. Res. 6, 791; Or 1976). The second way does not make the agent dither.
@@ -7,12 +8,14 @@ it (Croes 1958, Oper. Res. 6, 791; Or 1976). The second way does not make the ag
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from itertools import pairwise
 
 import fast_tsp
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.distance import cdist
+
+from subsoil.travel import Travel
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -31,13 +34,20 @@ _EPSILON = 1e-9
 _LONGEST_SEGMENT = 3
 
 
-def length(start: ArrayLike, places: ArrayLike) -> float:
+def length(travel: Travel, start: ArrayLike, places: ArrayLike) -> float:
     """Length in m of the way from a start through (k, 2) places in order."""
-    way = np.vstack([np.asarray(start, dtype=float), np.reshape(places, (-1, 2))])
-    return float(np.hypot(*np.diff(way, axis=0).T).sum())
+    nodes = _nodes(start, places)
+    return float(np.diagonal(travel.between(nodes, nodes), 1).sum())
 
 
-def tour(start: ArrayLike, places: ArrayLike) -> tuple[int, ...]:
+def way(travel: Travel, start: ArrayLike, places: ArrayLike) -> Floats:
+    """(p, 2) places in m along the way from a start through (k, 2) places in order."""
+    nodes = _nodes(start, places)
+    legs = [travel.way(here, there)[1:] for here, there in pairwise(nodes)]
+    return np.concatenate([nodes[:1], *legs])
+
+
+def tour(travel: Travel, start: ArrayLike, places: ArrayLike) -> tuple[int, ...]:
     """Order of (k, 2) places that makes the way from a start through all of them short.
 
     Optimal up to 18 places, but for distances rounded to 1 part in 60 000. Beyond, the search is
@@ -47,13 +57,16 @@ def tour(start: ArrayLike, places: ArrayLike) -> tuple[int, ...]:
 
     Examples
     --------
-    >>> tour((0, 0), [(30, 0), (10, 0), (20, 0)])
+    >>> from subsoil.field import Field
+    >>> from subsoil.travel import travel_of
+    >>> travel = travel_of(Field.from_metres([(0, 0), (50, 0), (50, 20), (0, 20)]))
+    >>> tour(travel, (0, 0), [(30, 0), (10, 0), (20, 0)])
     (1, 2, 0)
     """
-    points = np.reshape(np.asarray(places, dtype=float), (-1, 2))
-    distance = _distances(np.vstack([np.asarray(start, dtype=float), points]))
+    nodes = _nodes(start, places)
+    distance = travel.between(nodes, nodes)
     if not distance.any():
-        return tuple(range(len(points)))
+        return tuple(range(len(nodes) - 1))
     path = np.array(_searched(_closed(distance)))
     return tuple((path[list(shorten(distance[np.ix_(path, path)]))] - 1).tolist())
 
@@ -97,12 +110,18 @@ def _closed(distance: Floats) -> Integers:
 
 
 def reroute(
-    at: Floats, start: ArrayLike, route: Sequence[int], added: Iterable[int] = ()
+    travel: Travel,
+    at: Floats,
+    start: ArrayLike,
+    route: Sequence[int],
+    added: Sequence[int] = (),
 ) -> tuple[int, ...]:
     """Shorten a route of indices into (N, 2) places, with further stops put in where they fit.
 
     Parameters
     ----------
+    travel
+        Ways through the field.
     at
         (N, 2) places in m.
     start
@@ -112,11 +131,14 @@ def reroute(
     added
         Stops to put in.
     """
-    order, here = list(route), np.asarray(start, dtype=float)
-    for stop in added:
-        order.insert(_cheapest_gap(np.vstack([here, at[order]]), at[stop]), stop)
-    shortened = shorten(_distances(np.vstack([here, at[order]])))
-    return tuple(order[node - 1] for node in shortened)
+    stops = [*route, *added]
+    nodes = _nodes(start, at[stops])
+    distance = travel.between(nodes, nodes)
+    path = list(range(len(route) + 1))
+    for new in range(len(path), len(nodes)):
+        path.insert(_cheapest_gap(distance, path, new), new)
+    shortened = shorten(distance[np.ix_(path, path)])
+    return tuple(stops[path[node] - 1] for node in shortened)
 
 
 def shorten(distance: Floats) -> tuple[int, ...]:
@@ -183,12 +205,14 @@ def _moved(n: int, first: int, size: int, gap: int, *, turned: bool) -> Integers
     return np.insert(rest, place, segment[::-1] if turned else segment)
 
 
-def _cheapest_gap(way: Floats, new: Floats) -> int:
-    """After which place of a way one more costs least; its end costs just the way there."""
-    to_new = np.hypot(*(way - new).T)
-    detour = to_new[:-1] + to_new[1:] - np.hypot(*np.diff(way, axis=0).T)
-    return int(np.argmin(np.append(detour, to_new[-1])))
+def _cheapest_gap(distance: Floats, path: Sequence[int], new: int) -> int:
+    """Place in a path of nodes at which one more costs least; its end costs just the way there."""
+    to_new = distance[path, new]
+    detour = to_new[:-1] + to_new[1:] - distance[path[:-1], path[1:]]
+    return 1 + int(np.argmin(np.append(detour, to_new[-1])))
 
 
-def _distances(points: Floats) -> Floats:
-    return cdist(points, points)
+def _nodes(start: ArrayLike, places: ArrayLike) -> Floats:
+    """(1 + k, 2) a start and (k, 2) places in m."""
+    points = np.asarray(places, dtype=float).reshape(-1, 2)
+    return np.concatenate([np.asarray(start, dtype=float).reshape(1, 2), points])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from subsoil import routing
 from subsoil.field import Field
 from subsoil.plots.depth import profiles
 from subsoil.plots.learning import learning_curves
@@ -16,6 +17,7 @@ from subsoil.plots.maps import depth_slices, std_dev
 from subsoil.plots.semivariance import variograms
 from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
+from subsoil.travel import travel_of
 from subsoil.variogram import Fit
 
 if TYPE_CHECKING:
@@ -116,9 +118,16 @@ def draw_survey(
 
 
 def way(survey: Survey) -> NDArray[np.float64]:
-    """(k, 2) places in m: the start, where the survey was given one, and the samples in order."""
+    """(p, 2) places in m along the way of a survey.
+
+    It leads from the start, where the survey was given one, through the samples in order, around
+    what lies between them.
+    """
     start = [settings.start for settings in survey.settings[:1]]
-    return np.array([*start, *survey.soil_map.at.tolist()]).reshape(-1, 2)
+    places = np.array([*start, *survey.soil_map.at.tolist()]).reshape(-1, 2)
+    if not len(places):
+        return places
+    return routing.way(travel_of(survey.field), places[0], places[1:])
 
 
 def _save(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:

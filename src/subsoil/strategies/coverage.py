@@ -132,11 +132,13 @@ def areas(field: Field, k: int, rounds: int, rng: np.random.Generator) -> tuple[
 def carry_on(view: View) -> Plan:
     """Keep to the plan; the nearest free cell stands in for a stop that was refused."""
     if view.remaining <= len(view.plan) or not view.refused:
-        return Plan(view.plan, "as planned")
+        return Plan(view.plan, "as planned", view.pushes)
     refused = view.refused[-1]
     (stand_in,) = _nearest_free(view, view.field.cells[[refused]]).tolist()
-    cells = reroute(view.field.cells, view.position, view.plan, [stand_in])
-    return Plan(cells, f"cell {stand_in} stands in for refused cell {refused}")
+    cells = reroute(view.travel, view.field.cells, view.position, view.plan, [stand_in])
+    asked = dict(zip(view.plan, view.pushes, strict=False))
+    pushes = tuple(asked.get(cell, 1) for cell in cells) if asked else ()
+    return Plan(cells, f"cell {stand_in} stands in for refused cell {refused}", pushes)
 
 
 def _due(view: View) -> bool:
@@ -145,7 +147,7 @@ def _due(view: View) -> bool:
 
 
 def _toured(view: View, cells: Integers, reason: str) -> Plan:
-    order = tour(view.position, view.field.cells[cells])
+    order = tour(view.travel, view.position, view.field.cells[cells])
     return Plan(tuple(cells[list(order)].tolist()), reason)
 
 
