@@ -137,3 +137,48 @@ def test_too_many_cells_are_refused_with_a_size_that_would_do() -> None:
 def test_a_protocol_must_be_one_of_two() -> None:
     with pytest.raises(ParameterError, match="surrogate, signal"):
         test_bed(np.random.default_rng(0), "truth")  # type: ignore[arg-type]
+
+
+def test_the_test_bed_of_a_seed_stays_what_published_comparisons_ran_on(
+    beds: dict[Protocol, list[Truth]],
+) -> None:
+    """Values of seed 5 in the fifth layer: three cells of the map, and deviations there."""
+    cells = [0, 467, 935]
+    kriged, grown = beds["surrogate"][5], beds["signal"][5]
+    expected = [1414.684675922159, 1439.287159970852, 1551.904789868699]
+    assert kriged.kpa[4, cells] == pytest.approx(expected, rel=1e-9)
+    expected = [1318.7514618303987, 1356.1871710927614, 1524.0577347723936]
+    assert grown.kpa[4, cells] == pytest.approx(expected, rel=1e-9)
+    expected = [28.34548461889598, 9.781474107207627, 7.519982732144896]
+    assert grown.noise[4, cells] == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_test_bed_can_be_laid_on_any_field(beds: dict[Protocol, list[Truth]]) -> None:
+    rectangle = [(0, 0), (180, 0), (180, 130), (0, 130)]
+    same = test_bed(np.random.default_rng(SEEDS[2]), field=Field.from_metres(rectangle))
+    assert np.array_equal(same.kpa, beds["surrogate"][2].kpa)
+    bent = [(1003, 2001), (1150, 2001), (1150, 2060), (1070, 2060), (1070, 2140), (1003, 2140)]
+    field = Field.from_metres(bent, name="L")
+    kriged = test_bed(np.random.default_rng(1), "surrogate", field)
+    grown = test_bed(np.random.default_rng(1), "signal", field)
+    assert kriged.origin == grown.origin
+    off = kriged.kpa - kriged.kpa.mean(axis=1, keepdims=True)
+    assert kriged.kpa.shape == (8, len(field.cells))
+    assert np.sqrt(np.mean(off**2)) == pytest.approx(65.0, rel=1e-12)
+    assert np.corrcoef(kriged.kpa[4], grown.kpa[4])[0, 1] > 0.3
+    assert grown.noise.any()
+    assert not kriged.noise.any()
+
+
+def test_samples_at_the_centres_of_cells_read_the_soil_of_the_cell() -> None:
+    """Cells of 10 m have their centres where the samples are."""
+    field = Field.from_metres([(0, 0), (120, 0), (120, 90), (0, 90)], cell_size=10.0)
+    truth = test_bed(np.random.default_rng(1), "surrogate", field)
+    assert truth.kpa.shape == (8, 108)
+    assert np.isfinite(truth.kpa).all()
+
+
+def test_a_test_bed_of_too_many_cells_is_refused() -> None:
+    field = Field.from_metres([(0, 0), (500, 0), (500, 500), (0, 500)])
+    with pytest.raises(ParameterError, match=r"10000 cells are more than the 8000"):
+        test_bed(np.random.default_rng(0), field=field)

@@ -14,7 +14,7 @@ from subsoil.field import Field
 from subsoil.kriging import condition
 from subsoil.layers import Layers
 from subsoil.simulation.truth import Kriged, Truth
-from subsoil.variogram import Estimator, LeastSquares, Spherical
+from subsoil.variogram import Estimator, Fit, LeastSquares, Spherical
 
 Floats = NDArray[np.float64]
 
@@ -62,12 +62,7 @@ def surrogate(
         If shapes do not fit, or a layer has too few readings for a variogram.
     """
     places, values = np.asarray(at, dtype=float), np.asarray(kpa, dtype=float)
-    if values.shape != (len(layers), len(places)):
-        raise ReadingsError(
-            f"readings {values.shape} do not fit {len(layers)} layers at {len(places)} places",
-            where="surrogate",
-            remedy="give readings (m, n), one row a layer",
-        )
+    check_readings(places, values, layers)
     kriged, origin = krige_layers(estimator, places, values, field.cells, layers)
     origin = replace(origin, notes=(*origin.notes, *_below_zero(kriged, layers)))
     return Truth(field, layers, np.maximum(kriged, 0.0), np.zeros_like(kriged), origin)
@@ -99,14 +94,7 @@ def krige_layers(
     ReadingsError
         If a layer has too few readings for a variogram.
     """
-    fits = estimator(at, kpa)
-    for name, fit in zip(layers.names, fits, strict=True):
-        if fit.is_prior:
-            raise ReadingsError(
-                f"too little to krige from: {fit.why}",
-                where=f"surrogate, layer {name}",
-                remedy="leave that layer out",
-            )
+    fits = fitted(estimator, at, kpa, layers)
     reached = ~np.isnan(kpa)
     with threadpool_limits(1, user_api="blas"):
         maps = [
@@ -120,6 +108,41 @@ def krige_layers(
     )
     origin = Kriged(fits, tuple(reached.sum(axis=1).tolist()), notes)
     return np.stack([layer.mean for layer in maps]), origin
+
+
+def check_readings(at: Floats, kpa: Floats, layers: Layers) -> None:
+    """Check that readings (m, n) fit their places (n, 2) and layers.
+
+    Raises
+    ------
+    ReadingsError
+        If they do not.
+    """
+    if kpa.shape != (len(layers), len(at)):
+        raise ReadingsError(
+            f"readings {kpa.shape} do not fit {len(layers)} layers at {len(at)} places",
+            where="soil from readings",
+            remedy="give readings (m, n), one row a layer",
+        )
+
+
+def fitted(estimator: Estimator, at: Floats, kpa: Floats, layers: Layers) -> tuple[Fit, ...]:
+    """Variogram of each layer of readings (m, n) at places (n, 2).
+
+    Raises
+    ------
+    ReadingsError
+        If a layer has too few readings for one.
+    """
+    fits = estimator(at, kpa)
+    for name, fit in zip(layers.names, fits, strict=True):
+        if fit.is_prior:
+            raise ReadingsError(
+                f"too little to krige from: {fit.why}",
+                where=f"soil from readings, layer {name}",
+                remedy="leave that layer out",
+            )
+    return fits
 
 
 def _below_zero(kriged: Floats, layers: Layers) -> Iterator[str]:

@@ -36,6 +36,28 @@ class Kriged:
 
 
 @dataclass(frozen=True)
+class Conditioned:
+    """Origin of a truth that was simulated to agree with real readings.
+
+    Attributes
+    ----------
+    fits
+        (m,) variogram of each layer, and how it was come by.
+    readings
+        (m,) number of readings behind each layer.
+    correlation
+        (m, m) correlation of the layers, of the soil as of pushes.
+    notes
+        Layers that came out softer than soil is, and how often.
+    """
+
+    fits: tuple[Fit, ...]
+    readings: tuple[int, ...]
+    correlation: Floats
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Truth:
     """The soil strength of every cell, and what a single push there would say.
 
@@ -48,10 +70,11 @@ class Truth:
     kpa
         (m, N) mean resistance of each layer in each cell in kPa: the map a survey is after.
     noise
-        (m, N) deviation from it, in kPa, that a push in the cell carries: the soil between one
-        hole and the next. All zero in the paper's protocol.
+        (m, N) deviation from it, in kPa, that the first push in the cell carries: the soil
+        between one hole and the next. All zero in the paper's protocol.
     origin
-        What the soil was drawn as, or which readings it was kriged from.
+        What the soil was drawn as, or which readings it was kriged from or simulated to agree
+        with.
 
     Raises
     ------
@@ -63,7 +86,7 @@ class Truth:
     layers: Layers
     kpa: Floats
     noise: Floats
-    origin: Soil | Kriged
+    origin: Soil | Kriged | Conditioned
 
     def __post_init__(self) -> None:
         shape = (len(self.layers), len(self.field.cells))
@@ -83,6 +106,15 @@ class Truth:
                 remedy="leave that layer out",
             )
 
-    def reading(self, cell: int) -> Floats:
-        """(m,) layer means in kPa that a push in a cell would give."""
-        return np.asarray(self.kpa[:, cell] + self.noise[:, cell])
+    def reading(self, cell: int, push: int = 0) -> Floats:
+        """(m,) layer means in kPa that a push in a cell would give.
+
+        A further push (``push`` of 1 or more) carries the deviation that another cell's first one
+        does, a cell that is drawn for each push in each cell: as large as those are, with the same
+        correlation of layers, and independent of them. Soil softer than none reads zero.
+        """
+        if push == 0:
+            return np.asarray(self.kpa[:, cell] + self.noise[:, cell])
+        stream = np.random.default_rng(np.random.SeedSequence((cell, push)))
+        other = stream.integers(self.kpa.shape[1])
+        return np.maximum(self.kpa[:, cell] + self.noise[:, other], 0.0)
