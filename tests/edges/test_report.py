@@ -161,7 +161,7 @@ def test_a_report_warns_of_bounds_priors_and_refusals(
         soil_map=SoilMap(soil_map.cells, soil_map.layers, soil_map.variograms, samples),
         refused=(5,),
     )
-    own = (replace(fits[0], starts=0), *fits[1:])
+    own = (replace(fits[0], is_prior=True), *fits[1:])
     text = words_of(changed, history, own)
     assert "force limit ended 1 push inside a layer" in text
     assert "In 1 of 8 layers there is too little to fit a variogram to" in text

@@ -6,7 +6,7 @@ Nothing here touches matplotlib's global state: figures have no window, and are 
 
 from subsoil.plots.album import draw_readings, draw_survey, readings_figures, survey_figures
 from subsoil.plots.depth import profiles
-from subsoil.plots.learning import learning_curves
+from subsoil.plots.learning import learning_curves, outlook_curve
 from subsoil.plots.maps import depth_slices, std_dev
 from subsoil.plots.semivariance import variograms
 
@@ -15,6 +15,7 @@ __all__ = [
     "draw_readings",
     "draw_survey",
     "learning_curves",
+    "outlook_curve",
     "profiles",
     "readings_figures",
     "std_dev",

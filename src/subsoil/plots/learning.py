@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from subsoil.report.outlook import Outlook
     from subsoil.report.progress import Progress
 
 Floats = NDArray[np.float64]
@@ -79,6 +80,49 @@ def learning_curves(history: Sequence[Progress], *, caption: str = "") -> Figure
             ha="center",
             va="center",
         )
+    return figure
+
+
+def outlook_curve(history: Sequence[Progress], outlook: Outlook, *, caption: str = "") -> Figure:
+    """Error as the map expects it against samples: so far, and what more samples would buy.
+
+    Parameters
+    ----------
+    history
+        Where the survey stood after its samples.
+    outlook
+        What more would buy.
+    caption
+        What to say under the title.
+
+    Raises
+    ------
+    ReadingsError
+        If there is nothing ahead: there are too few samples, or no cell is left.
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    if not outlook.ahead:
+        raise ReadingsError("there is nothing to foresee from so few samples", where="outlook")
+    layout = Sheet(1, 1, 6.0, 3.2, 0.3, 1.0, 0.85, 0.25, 0.65, 0.65)
+    figure = blank(layout.size, "What more samples would buy", caption)
+    axes = layout.panel(figure, 0)
+    head(axes, "Error of the map as it expects it (root mean KV)")
+    now = outlook.samples
+    past = np.array([(entry.samples, np.sqrt(entry.mean_kv)) for entry in history])
+    ahead = np.array([(now, outlook.rmse), *((now + e.more, e.rmse) for e in outlook.ahead)])
+    planned = ahead[: outlook.planned + 1]
+    _curve(axes, past[:, 0], past[:, 1], COLD, "so far, as then foreseen", "s-")
+    _curve(axes, ahead[:, 0], ahead[:, 1], FAINT, "with more samples, where they tell most", "--")
+    if len(planned) > 1:
+        _curve(axes, planned[:, 0], planned[:, 1], WARM, "with the planned stops", "o-")
+    axes.legend(fontsize=SMALL, frameon=False, loc="best")
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel("samples", size=TEXT)
+    axes.set_ylabel("predicted RMSE (kPa)", size=TEXT)
+    axes.grid(color="#e5e5e5", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
     return figure
 
 

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
+from math import nan
+
+from subsoil.events import Event, Opened, Planned
+from subsoil.survey import apply, opened
 
 
 @dataclass(frozen=True)
@@ -26,3 +32,17 @@ class Progress:
     minutes: float
     mean_kv: float
     rmse: float
+
+
+def progress_of(opening: Opened, events: Sequence[Event]) -> tuple[Progress, ...]:
+    """How a survey went on, from its events after the first; no truth is known.
+
+    One entry a plan, from the second sample on, with the kriging variance recorded then.
+    """
+    states = accumulate(events, apply, initial=opened(opening))
+    next(states)
+    return tuple(
+        Progress(len(state.visited), state.metres, state.minutes, event.mean_kv, nan)
+        for event, state in zip(events, states, strict=True)
+        if isinstance(event, Planned) and len(state.visited) > 1
+    )

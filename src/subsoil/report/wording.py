@@ -10,6 +10,7 @@ import numpy as np
 
 from subsoil.layers import LayerState
 from subsoil.plots.semivariance import remark
+from subsoil.report.outlook import in_words, outlook
 from subsoil.report.progress import Progress
 from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
@@ -39,7 +40,12 @@ def headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str,
     yield "Stops without a reading", str(len(survey.refused))
     yield "Way driven", f"{survey.metres:.0f} m"
     yield "Time", f"{survey.minutes:.0f} min"
+    for settings in survey.settings[-1:]:
+        if not settings.rates.free:
+            yield "Cost", f"{survey.spent.money:,.0f} {settings.rates.currency}"
     yield "Mean kriging variance", _variance(survey.mean_kv)
+    if len(survey.visited) > 1:
+        yield "Outlook", in_words(survey, outlook(survey))
     if history and math.isfinite(history[-1].rmse):
         last = history[-1]
         after = _count(last.samples, "sample", "samples")

@@ -1,0 +1,183 @@
+"""How far a map may be off: what is said of it has to hold as often as it says."""
+
+from __future__ import annotations
+
+from math import isnan, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+from scipy.stats import f as f_distribution
+from scipy.stats import norm
+
+from subsoil.kriging import condition
+from subsoil.layers import Layers, Sample
+from subsoil.scores import rmse
+from subsoil.soilmap import SoilMap
+from subsoil.uncertainty import (
+    MeanSquare,
+    decided,
+    error_covariance,
+    mean_square_error,
+    predicted_rmse,
+    probability_above,
+    spaced,
+)
+from subsoil.variogram import Exponential, Spherical
+
+Floats = NDArray[np.float64]
+
+EAST, NORTH = np.meshgrid(5.0 * np.arange(12) + 2.5, 5.0 * np.arange(9) + 2.5)
+CELLS = np.column_stack([EAST.ravel(), NORTH.ravel()])
+NUGGET, RANGE = 0.25, 12.0
+REPEATS = 400
+
+
+def sampled(
+    at: Floats, kpa: Floats, variograms: tuple[Exponential, ...], cells: Floats = CELLS
+) -> SoilMap:
+    layers = Layers(tuple(np.linspace(0.0, 0.4, len(kpa) + 1)))
+    state = np.zeros(len(kpa), dtype=np.int8)
+    samples = tuple(Sample((e, n), z, state) for (e, n), z in zip(at.tolist(), kpa.T, strict=True))
+    return SoilMap(cells, layers, variograms, samples)
+
+
+def surveys(samples: int, layers: int, alike: float, seed: int) -> list[tuple[MeanSquare, float]]:
+    """What is said of the error and the error, over fields whose sills are told by the samples."""
+    rng = np.random.default_rng(seed)
+    smooth = Exponential(0.0, RANGE, 1.0).correlation(cdist(CELLS, CELLS) / RANGE)
+    root = np.linalg.cholesky(smooth + 1e-9 * np.eye(len(CELLS)))
+    between = np.linalg.cholesky(np.full((layers, layers), alike) + (1 - alike) * np.eye(layers))
+    result = []
+    for _ in range(REPEATS):
+        soil = between @ rng.standard_normal((layers, len(CELLS))) @ root.T
+        soil = 1000.0 + 100.0 * sqrt(1 - NUGGET) * soil
+        probed = rng.choice(len(CELLS), samples, replace=False)
+        noise = 100.0 * sqrt(NUGGET) * (between @ rng.standard_normal((layers, samples)))
+        kpa = soil[:, probed] + noise
+        shape = (1 - NUGGET) * smooth[np.ix_(probed, probed)] + NUGGET * np.eye(samples)
+        sills = sill_of(shape, kpa)
+        models = tuple(Exponential(NUGGET * s, RANGE, (1 - NUGGET) * s) for s in sills.tolist())
+        soil_map = sampled(CELLS[probed], kpa, models)
+        result.append((mean_square_error(soil_map), rmse(soil_map.mean, soil)))
+    return result
+
+
+def sill_of(shape: Floats, kpa: Floats) -> Floats:
+    """Restricted maximum-likelihood sills of (m, n) readings of known correlation."""
+    inverse = np.linalg.inv(shape)
+    one = inverse.sum(axis=1)
+    contrasts = inverse - np.outer(one, one) / one.sum()
+    return np.asarray(np.einsum("mi,ij,mj->m", kpa, contrasts, kpa) / (len(shape) - 1))
+
+
+@pytest.mark.parametrize(
+    ("samples", "layers", "alike"), [(12, 1, 0.0), (24, 1, 0.0), (24, 4, 0.5), (24, 4, 0.95)]
+)
+def test_the_error_is_below_what_is_said_of_it_as_often_as_is_said(
+    samples: int, layers: int, alike: float
+) -> None:
+    outcomes = surveys(samples, layers, alike, seed=samples + layers)
+    for probability in (0.5, 0.8, 0.9):
+        below = sum(error <= said.rmse(probability) for said, error in outcomes)
+        spread = sqrt(REPEATS * probability * (1 - probability))
+        # Four standard deviations of chance, and 3 % for the two moments matched.
+        assert abs(below - REPEATS * probability) <= 4 * spread + 0.03 * REPEATS
+
+
+def test_a_chi_square_that_takes_the_sill_for_known_would_be_too_sure() -> None:
+    outcomes = surveys(12, 1, 0.0, seed=5)
+    known = [MeanSquare(said.kv, said.errors, 1e9) for said, _ in outcomes]
+    below = sum(e <= k.rmse(0.9) for k, (_, e) in zip(known, outcomes, strict=True))
+    assert below < 0.8 * REPEATS
+
+
+@given(
+    st.floats(1, 1e5), st.floats(2, 400), st.floats(3, 400), st.floats(0.01, 0.99),
+)  # fmt: skip
+def test_the_distribution_is_f_and_its_quantile_undoes_its_probability(
+    kv: float, errors: float, sills: float, probability: float
+) -> None:
+    error = MeanSquare(kv, errors, sills)
+    peer = sqrt(kv * f_distribution(errors, sills).ppf(probability))
+    assert error.rmse(probability) == pytest.approx(peer, rel=1e-6)
+    assert error.probability(error.rmse(probability)) == pytest.approx(probability, rel=1e-6)
+
+
+def test_error_covariances_are_those_of_the_kriging_weights() -> None:
+    rng = np.random.default_rng(3)
+    at, to = rng.uniform(0, 60, (9, 2)), rng.uniform(0, 60, (5, 2))
+    model = Spherical(nugget=30.0, range=40.0, psill=170.0)
+
+    def signal(a: Floats, b: Floats) -> Floats:
+        h = np.minimum(cdist(a, b) / 40.0, 1.0)
+        return np.asarray(170.0 * (1.0 - 1.5 * h + 0.5 * h**3))
+
+    system = np.block([[signal(at, at) + 30 * np.eye(9), np.ones((9, 1))], [np.ones(9), 0.0]])
+    right = np.vstack([signal(at, to), np.ones((1, 5))])
+    weights = np.linalg.solve(system, right)[:9]
+    cross = weights.T @ signal(at, to)
+    own = weights.T @ (signal(at, at) + 30 * np.eye(9)) @ weights
+    peer = signal(to, to) - cross - cross.T + own
+    kriging = condition(model, at, rng.standard_normal(9))
+    found = error_covariance(kriging, to)
+    assert np.allclose(found[0], peer, rtol=1e-9, atol=1e-9)
+    assert np.allclose(np.diag(found[0]), kriging.predict(to).variance, rtol=1e-9)
+
+
+def test_layers_that_say_the_same_tell_less_than_layers_of_their_own() -> None:
+    rng = np.random.default_rng(4)
+    at, one = CELLS[rng.choice(len(CELLS), 20, replace=False)], rng.standard_normal(20)
+    models = (Exponential(100.0, RANGE, 900.0),) * 3
+    same = mean_square_error(sampled(at, 900 + 30 * np.tile(one, (3, 1)), models))
+    apart = mean_square_error(sampled(at, 900 + 30 * rng.standard_normal((3, 20)), models))
+    assert same.sills < apart.sills <= 3 * 19
+    assert same.errors < apart.errors
+    assert same.sills == pytest.approx(19 / ((1 + 2 * 0.9**2) / 3))
+
+
+def test_layers_without_variation_count_as_one() -> None:
+    at = CELLS[::11]
+    models = (Exponential(100.0, RANGE, 900.0),) * 2
+    flat = mean_square_error(sampled(at, np.full((2, len(at)), 900.0), models))
+    assert flat.sills == pytest.approx((len(at) - 1) / ((1 + 0.9**2) / 2))
+
+
+def test_a_map_of_one_sample_says_nothing_of_its_error() -> None:
+    soil_map = sampled(CELLS[:1], np.array([[900.0]]), (Exponential(0.0, RANGE, 900.0),))
+    assert isnan(predicted_rmse(soil_map))
+    assert isnan(mean_square_error(soil_map).probability(1e6))
+
+
+def test_a_map_without_error_is_known_to_have_none() -> None:
+    cells = CELLS[:4]
+    model = Exponential(0.0, RANGE, 900.0)
+    soil_map = sampled(cells, np.array([[900.0, 800.0, 850.0, 900.0]]), (model,), cells)
+    error = mean_square_error(soil_map)
+    assert error.probability(1e-9) == 1.0
+    assert error.rmse(0.99) == 0.0
+
+
+@given(st.floats(0, 4000), st.floats(1, 500), st.floats(1, 4000))
+def test_probabilities_of_a_threshold_are_gaussian(
+    mean: float, deviation: float, threshold: float
+) -> None:
+    found = probability_above([mean], [deviation], threshold)
+    assert found[0] == pytest.approx(norm.sf(threshold, mean, deviation), rel=1e-9, abs=1e-300)
+
+
+def test_a_cell_above_in_one_layer_is_decided_and_one_unsure_layer_leaves_it_open() -> None:
+    above = np.array([[0.99, 0.10, 0.10, np.nan], [0.50, 0.50, 0.05, 0.95]])
+    assert decided(above, 0.9).tolist() == [True, False, True, True]
+
+
+@given(st.integers(1, 5000))
+def test_spaced_cells_are_distinct_and_span_the_field(cells: int) -> None:
+    index = spaced(cells)
+    assert len(index) == min(cells, 300)
+    assert len(set(index.tolist())) == len(index)
+    assert index[0] == 0
+    assert index[-1] in {0, cells - 1}
