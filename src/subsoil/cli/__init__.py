@@ -13,7 +13,7 @@ import sys
 import typer
 from threadpoolctl import threadpool_limits
 
-from subsoil.cli import analysing, demonstrating, diagnosing, looking, surveying
+from subsoil.cli import analysing, benching, demonstrating, diagnosing, looking, surveying
 from subsoil.errors import SubsoilError
 
 _INTERRUPTED = 130
@@ -37,6 +37,7 @@ app.command()(analysing.cv)
 app.command()(looking.replay)
 app.command()(looking.verify)
 app.command()(diagnosing.doctor)
+app.add_typer(benching.app, name="bench")
 
 
 def main() -> None:

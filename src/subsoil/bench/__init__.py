@@ -1,0 +1,33 @@
+"""Comparisons of strategies on the same fields: run them, keep them, and see what they say.
+
+A benchmark is a set of :class:`~subsoil.bench.task.Task`, each a pure function of itself. Results
+are kept one file a task, so that a run can be stopped, gone on with and added to.
+"""
+
+from subsoil.bench.folder import Benchmark, config_of, enter, keep, kept, write_results
+from subsoil.bench.running import Failed, Retried, on_dask, on_pool
+from subsoil.bench.scoring import scored, surveyed
+from subsoil.bench.task import Entrant, Result, Row, Series, Setting, Task
+from subsoil.bench.world import truth_of
+
+__all__ = [
+    "Benchmark",
+    "Entrant",
+    "Failed",
+    "Result",
+    "Retried",
+    "Row",
+    "Series",
+    "Setting",
+    "Task",
+    "config_of",
+    "enter",
+    "keep",
+    "kept",
+    "on_dask",
+    "on_pool",
+    "scored",
+    "surveyed",
+    "truth_of",
+    "write_results",
+]

@@ -1,0 +1,110 @@
+"""A task done: surveys of its field, and how good their maps were after every sample."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from subsoil.bench.task import Result, Row, Series, Task, survey_seed
+from subsoil.bench.world import TruthReader, entrance, truth_of
+from subsoil.dispatch import LocalDispatch, drive
+from subsoil.errors import SubsoilError
+from subsoil.events import Configured, Event, Finished, Planned
+from subsoil.penetrometer import LARGE_CONE
+from subsoil.scores import rmse
+from subsoil.simulation import Truth
+from subsoil.soilmap import SoilMap
+from subsoil.survey import Survey, apply, opened, opening
+
+STEP_BY_STEP = {"greedy", "monte-carlo"}
+"""Strategies that do not know the budget: a survey of 50 samples begins with that of 15."""
+
+
+class Scorer:
+    """Recorder that keeps nothing but how the survey stands after each sample from the second."""
+
+    def __init__(self, truth: Truth) -> None:
+        self.truth = truth
+        self.rows: list[Row] = []
+
+    def append(self, event: Event, survey: Survey) -> None:
+        """Take a row once the variograms are up to date: then a plan or the end follows."""
+        n = len(survey.visited)
+        if n > len(self.rows) + 1 and isinstance(event, Planned | Finished):
+            self.rows.append(row(survey, self.truth))
+
+
+def row(survey: Survey, truth: Truth) -> Row:
+    """How a survey stands."""
+    return Row(
+        n=len(survey.visited),
+        rmse_kpa=rmse(survey.soil_map.mean, truth.kpa),
+        path_m=survey.metres,
+        minutes=survey.minutes,
+        mean_kv=survey.mean_kv,
+        kv_error_correlation=kv_error_correlation(survey.soil_map, truth),
+    )
+
+
+def kv_error_correlation(soil_map: SoilMap, truth: Truth) -> float:
+    """Correlation over cells of the kriging variance and the squared error, averaged over layers.
+
+    NaN if either is the same everywhere.
+    """
+    squared_error = ((soil_map.mean - truth.kpa) ** 2).mean(axis=0)
+    if np.ptp(soil_map.kv) == 0.0 or np.ptp(squared_error) == 0.0:
+        return np.nan
+    return float(np.corrcoef(soil_map.kv, squared_error)[0, 1])
+
+
+def scored(task: Task) -> Result:
+    """Do all surveys of a task on one thread; a pure function of the task.
+
+    Pure but for tours of more than 18 stops, which are searched for a time: see
+    :func:`subsoil.routing.tour`. A strategy that does not know its budget surveys once.
+
+    Raises
+    ------
+    SubsoilError
+        If a strategy ends before it has taken its samples.
+    """
+    samples = task.setting.samples
+    budgets = samples[-1:] if task.entrant.strategy in STEP_BY_STEP else samples
+    with threadpool_limits(1, user_api="blas"):
+        truth = truth_of(task.setting, task.field)
+        return Result(task, tuple(_series(task, budget, truth) for budget in budgets))
+
+
+def surveyed(task: Task, samples: int, truth: Truth, scorer: Scorer) -> Survey:
+    """Survey a field with a number of samples; returns the state at its end."""
+    start = entrance(truth.field)
+    settings = Configured(
+        strategy=task.entrant.strategy,
+        estimator=task.entrant.estimator,
+        refit_every=1,
+        seed=survey_seed(task.setting.seed, task.field),
+        start=start,
+        world=task.setting.protocol,
+        samples=samples,
+        metres=inf,
+        minutes=inf,
+        mean_kv=0.0,
+    )
+    state = apply(opened(opening(truth.field, truth.layers, LARGE_CONE)), settings)
+    dispatch = LocalDispatch(state, scorer)
+    drive("reader", TruthReader(truth, start), dispatch)
+    return dispatch.survey
+
+
+def _series(task: Task, samples: int, truth: Truth) -> Series:
+    scorer = Scorer(truth)
+    survey = surveyed(task, samples, truth, scorer)
+    if len(survey.visited) < samples:
+        raise SubsoilError(
+            f"it ended after {len(survey.visited)} of {samples} samples: {survey.finished}",
+            where=f"strategy {task.entrant.strategy}",
+            remedy="fewer samples, or another strategy",
+        )
+    return Series(samples, tuple(scorer.rows))

@@ -1,0 +1,119 @@
+"""The field and soil of a task, and a robot that reads it without physics of its own."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import shapely
+from shapely.geometry import MultiPolygon, Polygon
+
+from subsoil.bench.task import Setting, soil_rng
+from subsoil.errors import ParameterError
+from subsoil.field import Field
+from subsoil.layers import Layers
+from subsoil.penetrometer import LARGE_CONE, Insertion
+from subsoil.robot import Arrival, Push
+from subsoil.routing import length
+from subsoil.simulation import Machine, Protocol, Truth, test_bed
+from subsoil.travel import travel_of
+
+Place = tuple[float, float]
+
+
+class TruthReader:
+    """Robot that reads layer means straight from the truth, as in the paper's own simulation.
+
+    It takes the time of a :class:`~subsoil.simulation.Machine`: its speed on the way, one push a
+    stop, and no refusals.
+    """
+
+    def __init__(self, truth: Truth, position: Place) -> None:
+        self.truth, self.position = truth, position
+        self.machine = Machine(LARGE_CONE)
+
+    def go_to(self, at: Place) -> Arrival:
+        """Drive straight to a place."""
+        metres = length(travel_of(self.truth.field), self.position, [at])
+        self.position = at
+        return Arrival(at, metres, metres / self.machine.speed_mps)
+
+    def probe(self) -> Push:
+        """Read the cell it stands in: the force at the foot of each layer is that of its mean."""
+        kpa = self.truth.reading(self.truth.field.nearest_cell(self.position))
+        force = kpa * LARGE_CONE.area_mm2 / 1000.0
+        insertion = Insertion(self.truth.layers.bottom_m, force)
+        return Push(self.position, insertion, self.machine.stop_s)
+
+    def stop(self) -> None:
+        """Stay."""
+
+
+def truth_of(setting: Setting, field: int) -> Truth:
+    """Soil of a field, drawn as the protocol says.
+
+    The test bed's protocols draw it on the test bed or within the boundary. ``"riseholme"`` draws
+    soils that agree with the robot's real readings of :func:`subsoil.datasets.riseholme`, on the
+    half field of the paper or within the boundary.
+
+    Raises
+    ------
+    DataUnavailableError
+        If real readings are needed and not at hand.
+    """
+    return _drawn(setting, field)
+
+
+@lru_cache(maxsize=1)
+def _drawn(setting: Setting, field: int) -> Truth:
+    rng = soil_rng(setting.seed, field)
+    if setting.protocol == "riseholme":
+        return _riseholme(land_of(setting), rng)
+    protocol: Protocol = "surrogate" if setting.protocol == "surrogate" else "signal"
+    if not setting.boundary_wkt:
+        return test_bed(rng, protocol)
+    return test_bed(rng, protocol, field=land_of(setting))
+
+
+def _riseholme(land: Field, rng: np.random.Generator) -> Truth:
+    from subsoil.datasets import riseholme
+    from subsoil.simulation.conditional import conditional_truth
+
+    layers, readings = Layers(), riseholme().readings
+    return conditional_truth(land, readings.at, readings.layer_means(layers), layers, rng)
+
+
+def land_of(setting: Setting) -> Field:
+    """Field of a setting: its boundary's, or else the protocol's own.
+
+    Raises
+    ------
+    ParameterError
+        If real readings are to be used in another frame than theirs.
+    """
+    if setting.protocol == "riseholme":
+        from subsoil.datasets import half_field
+
+        own = half_field()
+        if setting.boundary_wkt and setting.crs != own.crs:
+            raise ParameterError(
+                f"the boundary is in {setting.crs or 'a local frame'}, the readings in {own.crs}",
+                where="--boundary",
+                remedy=f"give it in {own.crs}",
+            )
+    else:
+        own = Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)], name="test bed")
+    if not setting.boundary_wkt:
+        return own
+    outline = shapely.from_wkt(setting.boundary_wkt)
+    if not isinstance(outline, Polygon | MultiPolygon):
+        raise ParameterError(f"it is a {outline.geom_type}, not a polygon", where="--boundary")
+    return Field(outline, setting.crs, name="bench field")
+
+
+def entrance(field: Field) -> Place:
+    """Where a robot starts: the corner of the outline nearest to the south-west."""
+    west, south, _, _ = field.boundary.bounds
+    corners = shapely.get_coordinates(field.boundary)
+    gate = np.argmin(np.hypot(corners[:, 0] - west, corners[:, 1] - south))
+    return (float(corners[gate, 0]), float(corners[gate, 1]))

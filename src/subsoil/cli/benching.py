@@ -1,0 +1,173 @@
+"""Verbs that compare strategies with each other: run a benchmark, report on it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated
+
+import shapely
+import typer
+
+from subsoil.bench import (
+    Benchmark,
+    Failed,
+    Result,
+    Retried,
+    Setting,
+    Task,
+    enter,
+    keep,
+    kept,
+    on_dask,
+    on_pool,
+    write_results,
+)
+from subsoil.bench.running import Outcome
+from subsoil.bench.task import PAPER_STRATEGIES, PROTOCOLS, entrants_of
+from subsoil.bench.world import land_of
+from subsoil.cli.output import AsJson, Seed, folder, progress, tell
+from subsoil.errors import ParameterError, SubsoilError
+
+app = typer.Typer(
+    help="Compare strategies on the same fields, and report beside the paper's numbers.",
+    no_args_is_help=True,
+)
+
+_CANNOT_GO_ON = 3
+"""Exit code if a task has no result."""
+
+
+@app.command()
+def run(
+    out: Annotated[Path, typer.Option(help="Folder of the benchmark; made if missing.")],
+    protocol: Annotated[
+        str, typer.Option(help=f"How soils are drawn and read: {', '.join(PROTOCOLS)}.")
+    ] = "surrogate",
+    fields: Annotated[int, typer.Option(help="Number of fields.")] = 20,
+    seed: Seed = 0,
+    strategies: Annotated[
+        str, typer.Option(help="Strategies by name or module:attribute, comma-separated.")
+    ] = ",".join(PAPER_STRATEGIES),
+    samples: Annotated[
+        str, typer.Option(help="Numbers of samples to compare at, comma-separated.")
+    ] = "15,20,30,50",
+    estimator: Annotated[
+        str | None,
+        typer.Option(
+            help="Estimators for all strategies, comma-separated. "
+            "Default: paper-10 for the paper's, pmc for others."
+        ),
+    ] = None,
+    boundary: Annotated[
+        Path | None, typer.Option(help="Outline of the field, instead of the protocol's own.")
+    ] = None,
+    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler, or local.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes on this machine. Default: one a core.", min=1)
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Survey the same fields with every strategy. Ctrl-C is safe: the same command goes on.
+
+    A folder can be added to: with more fields, strategies or estimators and all else equal.
+    """
+    setting = _setting(protocol, seed, samples, boundary)
+    entrants = entrants_of(_names(strategies), _names(estimator or ""))
+    benchmark = Benchmark(setting, fields, entrants)
+    enter(folder(out), benchmark)
+    waiting = [task for task in benchmark.tasks if not kept(out, task)]
+    count = workers or os.cpu_count() or 1
+    try:
+        failed = _work(out, waiting, _outcomes(waiting, dask, count))
+    except KeyboardInterrupt:
+        raise SubsoilError(
+            "stopped; finished tasks are kept", where=str(out), remedy="give the same command again"
+        ) from None
+    result = {
+        "benchmark": out,
+        "tasks": len(benchmark.tasks),
+        "done before": len(benchmark.tasks) - len(waiting),
+        "done now": len(waiting) - len(failed),
+        "failed": [f"{task.task.name}: {task.why}" for task in failed],
+        "results": write_results(out),
+    }
+    tell(result, as_json)
+    if failed:
+        raise typer.Exit(_CANNOT_GO_ON)
+
+
+@app.command()
+def report(
+    benchmark: Annotated[Path, typer.Argument(help="Folder of a benchmark.", metavar="DIR")],
+    as_json: AsJson = False,
+) -> None:
+    """Write tables, figures and report.md of a benchmark into its folder."""
+    from subsoil.bench.report import write_report
+
+    tell(write_report(benchmark), as_json)
+
+
+def _setting(protocol: str, seed: int, samples: str, boundary: Path | None) -> Setting:
+    """Setting of what was given; its field and real readings are there if it needs them."""
+    outline, crs = "", ""
+    if boundary is not None:
+        from subsoil.io.boundary import read_field
+
+        field = read_field(boundary)
+        outline, crs = shapely.to_wkt(field.boundary, rounding_precision=-1), field.crs
+    setting = Setting(protocol, seed, _numbers(samples), outline, crs)
+    if protocol == "riseholme":
+        from subsoil.datasets import riseholme
+
+        riseholme()
+    cells = len(land_of(setting).cells)
+    if setting.samples[-1] > cells:
+        raise ParameterError(
+            f"{setting.samples[-1]} samples are more than the field's {cells} cells",
+            where="--samples",
+            remedy="take fewer",
+        )
+    return setting
+
+
+def _outcomes(tasks: Sequence[Task], dask: str | None, workers: int) -> Iterator[Outcome]:
+    if not tasks:
+        return iter(())
+    return on_pool(tasks, workers) if dask is None else on_dask(tasks, dask, workers)
+
+
+def _work(out: Path, tasks: Sequence[Task], outcomes: Iterator[Outcome]) -> list[Failed]:
+    """Keep results as they come, with progress; returns the failures."""
+    failed: list[Failed] = []
+    with progress("surveying fields", len(tasks)) as advance:
+        done = 0
+        for outcome in outcomes:
+            match outcome:
+                case Retried():
+                    print(f"worker died, trying again: {outcome.task.name}", file=sys.stderr)
+                    continue
+                case Failed():
+                    failed.append(outcome)
+                case Result():
+                    keep(out, outcome)
+            done += 1
+            advance(done, f"{len(failed)} failed" if failed else "")
+    return failed
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(number) for number in text.split(","))
+    except ValueError:
+        raise ParameterError(
+            f"{text!r} is not a list of whole numbers",
+            where="--samples",
+            remedy="numbers such as 15,20,30,50",
+        ) from None
