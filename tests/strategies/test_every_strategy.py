@@ -24,8 +24,10 @@ from subsoil.survey import Survey, opened, opening, view
 
 OWN = "nearest_cell_strategy:nearest"
 EVERY = [*STRATEGIES, OWN]
-PLANNED_AHEAD = ["random", "w-shape", "area-split"]
-BY_CHANCE = [name for name in STRATEGIES if name != "w-shape"]
+PLANNED_AHEAD = ["random", "w-shape", "area-split", "joint"]
+SEARCHING = ["joint", "joint-adaptive"]
+"""They may find the same optimum from any seed."""
+BY_CHANCE = [name for name in STRATEGIES if name not in {"w-shape", *SEARCHING}]
 FIELDS = ["test bed", "L", "keep-out", "tiny", "thin"]
 LAYERS = Layers((0.0, 0.2, 0.4))
 START = (0.0, 0.0)

@@ -14,6 +14,7 @@ from typing import Any, cast
 from subsoil.errors import ParameterError
 from subsoil.strategies.adaptive import adaptive_greedy, adaptive_monte_carlo
 from subsoil.strategies.coverage import area_split, random, w_shape
+from subsoil.strategies.joint_plans import joint, joint_adaptive
 from subsoil.strategies.next_best_view import greedy, monte_carlo
 from subsoil.strategies.view import Plan, Strategy, View
 
@@ -25,6 +26,8 @@ STRATEGIES: dict[str, Strategy] = {
     "monte-carlo": monte_carlo,
     "adaptive-greedy": adaptive_greedy,
     "adaptive-monte-carlo": adaptive_monte_carlo,
+    "joint": joint,
+    "joint-adaptive": joint_adaptive,
 }
 """Strategies by name."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 from typing import Protocol
 
 import numpy as np
@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 
 from subsoil.field import Field
 from subsoil.soilmap import SoilMap
+from subsoil.stopping import Pace
+from subsoil.travel import Travel, travel_of
+
+_PACE = Pace()
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,16 @@ class View:
         Whether there is no plan yet, so that one has to be made from scratch.
     rng
         Random generator of this step; the same at every replay.
+    metres
+        Way driven so far in m.
+    pace
+        How fast stops are made.
+    metres_left, minutes_left
+        Way in m and time in min that the survey's limits leave; infinite where there is none.
+    pushes
+        How often to push at each stop of the plan; empty for once.
+    repeats
+        Cells of pushes beyond the first of their stop, in order.
     """
 
     field: Field
@@ -48,6 +62,12 @@ class View:
     budget: int
     fresh: bool
     rng: np.random.Generator
+    metres: float = 0.0
+    pace: Pace = _PACE
+    metres_left: float = inf
+    minutes_left: float = inf
+    pushes: tuple[int, ...] = ()
+    repeats: tuple[int, ...] = ()
 
     @property
     def remaining(self) -> int:
@@ -55,11 +75,21 @@ class View:
         return min(self.budget - len(self.visited), int(self.free.sum()) + len(self.plan))
 
     @property
+    def readings(self) -> tuple[int, ...]:
+        """Cells of all readings: a cell pushed more than once is in as often."""
+        return (*self.visited, *self.repeats)
+
+    @property
     def free(self) -> NDArray[np.bool_]:
         """(N,) cells neither probed, refused nor planned."""
         mask = np.ones(len(self.field.cells), dtype=bool)
         mask[[*self.visited, *self.refused, *self.plan]] = False
         return mask
+
+    @property
+    def travel(self) -> Travel:
+        """Ways through the field."""
+        return travel_of(self.field)
 
     @property
     def informed(self) -> bool:
@@ -77,10 +107,13 @@ class Plan:
         Cell indices; each at most once.
     reason
         Why this plan, in a sentence.
+    pushes
+        How often to push the rod at each stop; empty for once.
     """
 
     cells: tuple[int, ...]
     reason: str
+    pushes: tuple[int, ...] = ()
 
 
 class Strategy(Protocol):

@@ -14,7 +14,7 @@ eigenvalues of their correlation say there are.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 
@@ -35,6 +35,7 @@ Integers = NDArray[np.int64]
 
 FEWEST_SAMPLES = 3
 """Samples of a layer below which it says nothing of the correlogram."""
+_EXTENT_M = 222.0
 _TRACE = 1e-3
 """Share of the whole below which a structure is left out of the mean."""
 _SHRINKING = 0.9
@@ -178,6 +179,19 @@ class Pooled:
                     where="estimator pmc",
                     remedy="see subsoil.variogram.Pooled for what each setting may be",
                 )
+
+    def scaled_to(self, extent_m: float) -> Pooled:
+        """Return the same with ranges in proportion to a field's diagonal in m.
+
+        As they stand they are those of a field of 2.3 ha, 222 m from corner to corner.
+        """
+        scale = extent_m / _EXTENT_M
+        return replace(
+            self,
+            shortest_range=self.shortest_range * scale,
+            longest_range=self.longest_range * scale,
+            median_range=self.median_range * scale,
+        )
 
     def __call__(self, at: Floats, z: Floats) -> tuple[Fit, ...]:
         """Weight the correlograms by values (m, n) at places (n, 2); one fit a layer."""

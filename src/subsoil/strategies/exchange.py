@@ -1,0 +1,331 @@
+"""Exchange search for a design and the way through it together.
+
+Stops are taken out of the route one by one; every free cell, put in where it lengthens the way
+least, is weighed against the others by what it would leave of the mean kriging variance plus a
+price on its metres; and one is drawn. At a temperature the draw is a Gibbs sampler's (heat bath;
+Geman & Geman 1984, IEEE PAMI 6, 721), and cooling it anneals; at zero the best is taken, as in
+Fedorov's exchange algorithm (*Theory of Optimal Experiments*, 1972; for maps, Royle 2002, Comput.
+Geosci. 28, 479). Unlike proposals that are tried at random, no draw is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.kriging.designs import Designs
+from subsoil.routing import shorten
+from subsoil.travel import Travel
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_HOT, _COLD = 3e-4, 1e-5
+"""First and last temperature of annealing, in units of the sill."""
+_MULTIPLIER_STEP = 0.3
+"""Growth of the logarithm of the price per excess of the way over its budget."""
+_FEWEST = 2
+"""Readings that a map needs: without any there is no variance to compare."""
+_PRICE_RISE, _PRICE_RISES = 1.1, 30
+"""Factor on the price while the optimum exceeds the budget, and how often it is applied."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Cells that could join a design, and what each would bring.
+
+    Attributes
+    ----------
+    cells
+        (q,) their indices.
+    gain
+        (q,) fall of the mean variance.
+    own
+        (q,) variance of a reading there.
+    weights
+        (n + 1, q) A^-1 [c; 1]: kriging weights of the design's readings, and the multiplier.
+    detour
+        (q,) metres by which the way grows, put in at its best gap.
+    gap
+        (q,) that gap.
+    """
+
+    cells: Integers
+    gain: Floats
+    own: Floats
+    weights: Floats
+    detour: Floats
+    gap: Integers
+
+
+@dataclass(frozen=True)
+class Price:
+    """What a metre of way is worth, in mean variance of the map (in sills).
+
+    Attributes
+    ----------
+    per_m
+        So much a metre.
+    elasticity
+        So many percent of the variance for a percent of the way: the trade does not change with
+        the size of the field, the number of stops or how smooth the soil is.
+    """
+
+    per_m: float = 0.0
+    elasticity: float = 0.0
+
+    def at(self, variance: float, metres: float) -> float:
+        """Price of a metre where a map has a variance and its way a length."""
+        return self.per_m + self.elasticity * variance / max(metres, 1.0)
+
+    def cost(self, variance: float, metres: float) -> float:
+        """What is minimised: the variance and the way, traded at this price."""
+        return float(variance * max(metres, 1.0) ** self.elasticity + self.per_m * metres)
+
+
+class Exchange:
+    """A design that is being improved, with the way through its stops.
+
+    Parameters
+    ----------
+    designs
+        What judges designs.
+    travel
+        Ways between places of the field.
+    at
+        (N, 2) cell centres in m.
+    start
+        Where the way begins.
+    fixed
+        Cells probed already: they are in the design and not in the way.
+    route
+        Cells still to probe, in order.
+    free
+        (N,) cells that may be probed; those of the design are left out by themselves.
+    price
+        What a metre is worth.
+    driven
+        Metres driven before, which count as part of the way.
+    """
+
+    def __init__(
+        self,
+        designs: Designs,
+        travel: Travel,
+        at: Floats,
+        start: tuple[float, float],
+        fixed: Sequence[int],
+        route: Sequence[int],
+        free: NDArray[np.bool_],
+        price: Price,
+        driven: float = 0.0,
+    ) -> None:
+        self.designs, self.travel, self.at = designs, travel, at
+        self._fixed = len(fixed)
+        self._cells = [*fixed, *route]
+        self._order = list(range(len(fixed), len(self._cells)))
+        self._open = free.copy()
+        self._open[self._cells] = False
+        c, g = designs.rows(self._cells) if self._cells else (np.empty((0, len(at))),) * 2
+        self._c = np.concatenate([c, np.ones((1, len(at)))])
+        self._g = np.concatenate([g, designs.average[None]])
+        starts = np.array([start], dtype=float)
+        self._away = np.concatenate(
+            [travel.between(at[self._cells], at), travel.between(starts, at)]
+        )
+        self.price, self._dearer, self._driven = price, 1.0, driven
+        self.refresh()
+
+    @property
+    def route(self) -> tuple[int, ...]:
+        """Cells to visit, in order."""
+        return tuple(self._cells[slot] for slot in self._order)
+
+    @property
+    def metres(self) -> float:
+        """Length of the way."""
+        return float(sum(self._legs(self._order)))
+
+    @property
+    def variance(self) -> float:
+        """Mean kriging variance of the whole design, in sills."""
+        return self.designs.variance_left(self._inverse, self._gram)
+
+    @property
+    def cost(self) -> float:
+        """What the search minimises, at the price as given."""
+        return self.price.cost(self.variance, self._driven + self.metres)
+
+    def refresh(self) -> None:
+        """Solve the design's system anew: exchanges update it, and rounding adds up."""
+        self._inverse = self.designs.inverse(self._c[:-1, self._cells])
+        self._gram = self.designs.gram(self._cells, self._g[:-1])
+
+    def anneal(self, sweeps: int, budget_m: float, rng: np.random.Generator) -> None:
+        """Exchange every stop once a sweep while the temperature falls, then to the optimum.
+
+        Parameters
+        ----------
+        sweeps
+            Number of sweeps before those to the optimum.
+        budget_m
+            Length in m that the way is to keep to, by a higher or lower price; infinite to hold
+            the price. A budget too short for the stops is overrun.
+        rng
+            Source of the draws.
+        """
+        for temperature in np.geomspace(_HOT, _COLD, sweeps).tolist():
+            self._sweep(temperature, inf, rng)
+            if budget_m < inf:
+                self._dearer *= exp(_MULTIPLIER_STEP * (self.metres / budget_m - 1.0))
+        self.descend(sweeps, inf, budget_m, rng)
+
+    def descend(self, most: int, reach_m: float, budget_m: float, rng: np.random.Generator) -> None:
+        """Exchange every stop for the best cell within reach of it until none changes.
+
+        While the way is longer than a budget in m, metres get dearer and it is done again.
+        """
+        for _ in range(1 + _PRICE_RISES):
+            for _ in range(most):
+                if not self._sweep(0.0, reach_m, rng):
+                    break
+            if self.metres <= budget_m:
+                break
+            self._dearer *= _PRICE_RISE
+
+    def next_best(self) -> tuple[float, float]:
+        """What the cell worth most would bring: fall of the mean variance, and metres of detour."""
+        options, best = self._best()
+        return float(options.gain[best]), float(options.detour[best])
+
+    def insert(self) -> None:
+        """Put in the cell that is worth most."""
+        options, best = self._best()
+        slot, cell = len(self._cells), int(options.cells[best])
+        c, g = self.designs.rows([cell])
+        self._c = np.insert(self._c, slot, c, axis=0)
+        self._g = np.insert(self._g, slot, g, axis=0)
+        self._away = np.insert(self._away, slot, self._from(cell), axis=0)
+        self._cells.append(cell)
+        self._open[cell] = False
+        self._order.insert(int(options.gap[best]), slot)
+        self.refresh()
+
+    def drop(self) -> None:
+        """Take out the stop that is worth least."""
+        kept = [self._loss(slot) for slot in self._order]
+        slot = self._order[int(np.argmin(kept))]
+        self._open[self._cells.pop(slot)] = True
+        self._order = [other - (other > slot) for other in self._order if other != slot]
+        self._c, self._g, self._away = (
+            np.delete(rows, slot, axis=0) for rows in (self._c, self._g, self._away)
+        )
+        self.refresh()
+
+    def _best(self) -> tuple[Options, int]:
+        options = self._options(self._inverse, self._order, np.flatnonzero(self._open))
+        return options, int(np.argmin(self._a_metre() * options.detour - options.gain))
+
+    def _from(self, cell: int) -> Floats:
+        """(N,) metres from a cell to all cells."""
+        return np.asarray(self.travel.between(self.at[[cell]], self.at)[0])
+
+    def _loss(self, slot: int) -> float:
+        """By how much the objective grows without a stop."""
+        order = [other for other in self._order if other != slot]
+        left = self.designs.variance_left(self._without(slot), self._gram)
+        shorter = self.metres - sum(self._legs(order))
+        return left - self.variance - self._a_metre() * shorter
+
+    def _sweep(self, temperature: float, reach_m: float, rng: np.random.Generator) -> bool:
+        """Exchange every stop once and shorten the way; whether anything changed."""
+        if len(self._cells) < _FEWEST or not self._order:
+            return False
+        self.refresh()
+        a_metre = self._a_metre()
+        before = self.route
+        for slot in rng.permutation(np.sort(self._order)).tolist():
+            self._exchange(slot, temperature, reach_m, a_metre, rng)
+        self._shorten()
+        return self.route != before
+
+    def _exchange(
+        self,
+        slot: int,
+        temperature: float,
+        reach_m: float,
+        a_metre: float,
+        rng: np.random.Generator,
+    ) -> None:
+        """Take a stop out and put one in, the same or another, at its best place in the way."""
+        here = self._cells[slot]
+        self._open[here] = True
+        cells = np.flatnonzero(self._open & (self._away[slot] <= reach_m))
+        order = [other for other in self._order if other != slot]
+        without = self._without(slot)
+        options = self._options(without, order, cells)
+        chosen = _drawn(a_metre * options.detour - options.gain, temperature, rng)
+        self._order = order
+        self._order.insert(int(options.gap[chosen]), slot)
+        self._put(slot, int(cells[chosen]))
+        weight, own = options.weights[:, chosen], options.own[chosen]
+        self._inverse = without + np.outer(weight, weight / own)
+        self._inverse[slot] = self._inverse[:, slot] = -weight / own
+        self._inverse[slot, slot] = 1.0 / own
+
+    def _put(self, slot: int, cell: int) -> None:
+        self._open[cell] = False
+        if cell == self._cells[slot]:
+            return
+        self._cells[slot] = cell
+        (self._c[slot],), (self._g[slot],) = self.designs.rows([cell])
+        self._away[slot] = self._from(cell)
+        self._gram[:, slot] = self._g[:, cell]
+        self._gram[slot] = self._gram[:, slot]
+
+    def _without(self, slot: int) -> Floats:
+        """Inverse of the system without a reading, as large as with it: zero where it was."""
+        column = self._inverse[:, slot]
+        inverse = self._inverse - np.outer(column, column / column[slot])
+        inverse[slot] = inverse[:, slot] = 0.0
+        return inverse
+
+    def _options(self, inverse: Floats, order: Sequence[int], cells: Integers) -> Options:
+        """What each of some cells would bring to a design."""
+        c, designs = self._c[:, cells], self.designs
+        weights = inverse @ c
+        own = 1.0 - np.einsum("nq,nq->q", weights, c)
+        joint = self._gram @ weights
+        joint -= 2.0 * self._g[:, cells]
+        gain = (designs.squares[cells] + np.einsum("nq,nq->q", weights, joint)) / own
+        detours = self._away[[-1, *order]][:, cells]
+        detours[:-1] += detours[1:] - np.array(self._legs(order)).reshape(-1, 1)
+        gap = detours.argmin(axis=0)
+        return Options(cells, gain, own, weights, detours[gap, np.arange(len(cells))], gap)
+
+    def _legs(self, order: Sequence[int]) -> list[float]:
+        """Metres from each stop of a way to the next, from the start on."""
+        cells = [self._cells[slot] for slot in order]
+        return np.asarray(self._away[[-1, *order][:-1], cells]).tolist() if cells else []
+
+    def _shorten(self) -> None:
+        among = np.zeros((len(self._order) + 1,) * 2)
+        among[:, 1:] = self._away[[-1, *self._order]][:, list(self.route)]
+        among[1:, 0] = among[0, 1:]
+        self._order = [self._order[node - 1] for node in shorten(among)]
+
+    def _a_metre(self) -> float:
+        """Mean variance, in sills, that a metre is worth where the search stands."""
+        return self._dearer * self.price.at(self.variance, self._driven + self.metres)
+
+
+def _drawn(objective: Floats, temperature: float, rng: np.random.Generator) -> int:
+    """Index drawn with the Boltzmann weights of objectives; of the lowest at no temperature."""
+    if temperature == 0.0:
+        return int(np.argmin(objective))
+    likely = np.cumsum(np.exp((objective.min() - objective) / temperature))
+    return int(np.searchsorted(likely, rng.random() * likely[-1]))
