@@ -162,6 +162,12 @@ class Field:
         """Area inside the outline and outside the keep-outs, in ha."""
         return float(self._probeable.area) / _SQUARE_METRES_A_HECTARE
 
+    @property
+    def extent_m(self) -> float:
+        """Length in m of the diagonal of the box around the outline."""
+        west, south, east, north = self.boundary.bounds
+        return math.hypot(east - west, north - south)
+
     @cached_property
     def _probeable(self) -> Area:
         barred = shapely.union_all(list(self.keep_outs))

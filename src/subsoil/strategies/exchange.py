@@ -87,6 +87,26 @@ class Price:
         return float(variance * max(metres, 1.0) ** self.elasticity + self.per_m * metres)
 
 
+@dataclass(frozen=True)
+class Terms:
+    """On what terms stops are exchanged in a sweep.
+
+    Attributes
+    ----------
+    temperature
+        Of the draw among cells, in sills; zero for the best.
+    reach_m
+        Distance in m by which a stop may move.
+    budget_m
+        Length in m that the way keeps to if it does so now, metres costing nothing up to it;
+        infinite to pay for every metre.
+    """
+
+    temperature: float = 0.0
+    reach_m: float = inf
+    budget_m: float = inf
+
+
 class Exchange:
     """A design that is being improved, with the way through its stops.
 
@@ -179,23 +199,22 @@ class Exchange:
             Source of the draws.
         """
         for temperature in np.geomspace(_HOT, _COLD, sweeps).tolist():
-            self._sweep(temperature, inf, rng)
+            self._sweep(Terms(temperature), rng)
             if budget_m < inf:
                 self._dearer *= exp(_MULTIPLIER_STEP * (self.metres / budget_m - 1.0))
-        self.descend(sweeps, inf, budget_m, rng)
-
-    def descend(self, most: int, reach_m: float, budget_m: float, rng: np.random.Generator) -> None:
-        """Exchange every stop for the best cell within reach of it until none changes.
-
-        While the way is longer than a budget in m, metres get dearer and it is done again.
-        """
-        for _ in range(1 + _PRICE_RISES):
-            for _ in range(most):
-                if not self._sweep(0.0, reach_m, rng):
-                    break
+        self.descend(sweeps, Terms(), rng)
+        for _ in range(_PRICE_RISES):
             if self.metres <= budget_m:
                 break
             self._dearer *= _PRICE_RISE
+            self.descend(sweeps, Terms(), rng)
+        self.descend(sweeps, Terms(budget_m=budget_m), rng)
+
+    def descend(self, most: int, terms: Terms, rng: np.random.Generator) -> None:
+        """Sweep until nothing changes, at most so often; the draws order the stops."""
+        for _ in range(most):
+            if not self._sweep(terms, rng):
+                break
 
     def next_best(self) -> tuple[float, float]:
         """What the cell worth most would bring: fall of the mean variance, and metres of detour."""
@@ -227,8 +246,10 @@ class Exchange:
         self.refresh()
 
     def _best(self) -> tuple[Options, int]:
-        options = self._options(self._inverse, self._order, np.flatnonzero(self._open))
-        return options, int(np.argmin(self._a_metre() * options.detour - options.gain))
+        options = self._options(self._inverse, self._order, slice(None))
+        objective = self._a_metre() * options.detour - options.gain
+        objective[~self._open] = inf
+        return options, int(np.argmin(objective))
 
     def _from(self, cell: int) -> Floats:
         """(N,) metres from a cell to all cells."""
@@ -241,41 +262,41 @@ class Exchange:
         shorter = self.metres - sum(self._legs(order))
         return left - self.variance - self._a_metre() * shorter
 
-    def _sweep(self, temperature: float, reach_m: float, rng: np.random.Generator) -> bool:
+    def _sweep(self, terms: Terms, rng: np.random.Generator) -> bool:
         """Exchange every stop once and shorten the way; whether anything changed."""
         if len(self._cells) < _FEWEST or not self._order:
             return False
         self.refresh()
-        a_metre = self._a_metre()
+        a_metre = self._a_metre() if terms.budget_m == inf else 0.0
         before = self.route
         for slot in rng.permutation(np.sort(self._order)).tolist():
-            self._exchange(slot, temperature, reach_m, a_metre, rng)
+            self._exchange(slot, terms, a_metre, rng)
         self._shorten()
         return self.route != before
 
-    def _exchange(
-        self,
-        slot: int,
-        temperature: float,
-        reach_m: float,
-        a_metre: float,
-        rng: np.random.Generator,
-    ) -> None:
+    def _exchange(self, slot: int, terms: Terms, a_metre: float, rng: np.random.Generator) -> None:
         """Take a stop out and put one in, the same or another, at its best place in the way."""
-        here = self._cells[slot]
-        self._open[here] = True
-        cells = np.flatnonzero(self._open & (self._away[slot] <= reach_m))
+        self._open[self._cells[slot]] = True
         order = [other for other in self._order if other != slot]
         without = self._without(slot)
-        options = self._options(without, order, cells)
-        chosen = _drawn(a_metre * options.detour - options.gain, temperature, rng)
+        options = self._options(without, order, self._within(slot, terms.reach_m))
+        objective = a_metre * options.detour - options.gain
+        objective[~self._open[options.cells]] = inf
+        if terms.budget_m < inf:
+            now = options.detour[options.cells == self._cells[slot]][0]
+            objective[options.detour > max(terms.budget_m - sum(self._legs(order)), now)] = inf
+        chosen = _drawn(objective, terms.temperature, rng)
         self._order = order
         self._order.insert(int(options.gap[chosen]), slot)
-        self._put(slot, int(cells[chosen]))
+        self._put(slot, int(options.cells[chosen]))
         weight, own = options.weights[:, chosen], options.own[chosen]
         self._inverse = without + np.outer(weight, weight / own)
         self._inverse[slot] = self._inverse[:, slot] = -weight / own
         self._inverse[slot, slot] = 1.0 / own
+
+    def _within(self, slot: int, reach_m: float) -> Integers | slice:
+        """Cells within reach of a stop; all of them as a slice, which copies nothing."""
+        return slice(None) if reach_m == inf else np.flatnonzero(self._away[slot] <= reach_m)
 
     def _put(self, slot: int, cell: int) -> None:
         self._open[cell] = False
@@ -294,18 +315,20 @@ class Exchange:
         inverse[slot] = inverse[:, slot] = 0.0
         return inverse
 
-    def _options(self, inverse: Floats, order: Sequence[int], cells: Integers) -> Options:
+    def _options(self, inverse: Floats, order: Sequence[int], columns: Integers | slice) -> Options:
         """What each of some cells would bring to a design."""
-        c, designs = self._c[:, cells], self.designs
+        c, designs = self._c[:, columns], self.designs
         weights = inverse @ c
         own = 1.0 - np.einsum("nq,nq->q", weights, c)
         joint = self._gram @ weights
-        joint -= 2.0 * self._g[:, cells]
-        gain = (designs.squares[cells] + np.einsum("nq,nq->q", weights, joint)) / own
-        detours = self._away[[-1, *order]][:, cells]
+        joint -= 2.0 * self._g[:, columns]
+        gain = (designs.squares[columns] + np.einsum("nq,nq->q", weights, joint)) / own
+        detours = self._away[[-1, *order]]
+        detours = detours[:, columns]
         detours[:-1] += detours[1:] - np.array(self._legs(order)).reshape(-1, 1)
         gap = detours.argmin(axis=0)
-        return Options(cells, gain, own, weights, detours[gap, np.arange(len(cells))], gap)
+        cells = np.arange(len(self.at))[columns]
+        return Options(cells, gain, own, weights, detours.min(axis=0), gap)
 
     def _legs(self, order: Sequence[int]) -> list[float]:
         """Metres from each stop of a way to the next, from the start on."""

@@ -19,18 +19,19 @@ import numpy as np
 
 from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
+from subsoil.routing import length
 from subsoil.strategies.coverage import area_split, carry_on
-from subsoil.strategies.exchange import Exchange, Price
+from subsoil.strategies.exchange import Exchange, Price, Terms
 from subsoil.strategies.replicates import replicated
 from subsoil.strategies.value import local_sills
 from subsoil.strategies.view import Plan, View
 from subsoil.variogram.nested import Nested
 from subsoil.variogram.pooled import Pooled
 
-_SKETCH_SWEEPS = 6
-"""Sweeps of a plan that only tells how long it will take."""
-_STARTS = 2
-"""Annealings from different starts, of which the best counts."""
+_SHORTER = 0.87
+"""Way of a plan as a share of the tour through as many areas' centres."""
+_STOPS_ANNEALED = 60
+"""Stops to anneal in all: those of few stops are annealed from several starts, the best counts."""
 _WARM_SWEEPS = 2
 """Most sweeps after a sample."""
 
@@ -65,24 +66,24 @@ def joint(
     Raises
     ------
     ParameterError
-        If a price is negative, there is no sweep or no push, or the time left is too short for a
-        single stop.
+        If a price is negative, or there is no sweep or no push.
     """
     price = _price(elasticity, price_per_m, sweeps)
     if not (view.fresh and view.remaining > 0):
         return carry_on(view)
-    clock = Clock(view)
-    sketch = _sketched(view, designs_for(view), clock, price)
-    budget = clock.metres_for(len(sketch.route))
-    tries = []
-    for _ in range(_STARTS):
-        search = _exchange(view, sketch.designs, _split(view, len(sketch.route)), sketch.price)
+    clock, designs = Clock(view), designs_for(view)
+    stops = _stops_in_time(view, clock)
+    if not stops:
+        return Plan((), "no time left for another stop")
+    budget, tries = clock.metres_for(stops), []
+    for _ in range(max(1, _STOPS_ANNEALED // stops)):
+        search = _exchange(view, designs, _split(view, stops), price)
         search.anneal(sweeps, budget, view.rng)
         tries.append(search)
     best = min(tries, key=lambda s: (clock.late(s), s.variance if budget < inf else s.cost))
-    while clock.late(best) and len(best.route) > 1:
-        best.drop()
-        best.descend(sweeps, inf, inf, view.rng)
+    if clock.counts_minutes:
+        _suit_to_time(best, clock, view.remaining)
+        best.descend(sweeps, Terms(budget_m=clock.metres_for(len(best.route))), view.rng)
     return replicated(Plan(best.route, _reason(best, "planned")), view, best, most_pushes)
 
 
@@ -139,11 +140,9 @@ def joint_adaptive(
         return carry_on(view)
     search = _exchange(view, designs_for(view, weights), view.plan, price)
     _suit_to_time(search, clock, view.remaining)
-    before, metres = search.route, search.metres
-    search.descend(_WARM_SWEEPS, reach_m, metres, view.rng)
+    budget = clock.metres_for(len(search.route)) if clock.is_ticking else search.metres
+    search.descend(_WARM_SWEEPS, Terms(reach_m=reach_m, budget_m=budget), view.rng)
     plan = Plan(search.route, _reason(search, "moved to where they are worth most"))
-    if search.metres > metres:
-        plan = Plan(before, "as planned: no better without a longer way")
     return replicated(plan, view, search, most_pushes)
 
 
@@ -182,11 +181,6 @@ class Clock:
         """Stops, up to some wanted, there is time for without driving a metre."""
         return int(min(self._seconds / self._stop, wanted))
 
-    def price(self, search: Exchange) -> Price:
-        """What a metre is worth: what its time would bring as part of one more stop."""
-        gain, detour = search.next_best()
-        return Price(per_m=gain / (self._stop + detour / self._speed) / self._speed)
-
 
 def designs_for(view: View, weights: str = "equal") -> Designs:
     """Judge of designs on a view's field, under what is known of its correlogram."""
@@ -199,8 +193,7 @@ def _correlogram(view: View) -> Nested:
     models = view.soil_map.variograms
     if view.visited and models and isinstance(models[0], Nested):
         return models[0]
-    west, south, east, north = view.field.boundary.bounds
-    pooled = Pooled().scaled_to(float(np.hypot(east - west, north - south)))
+    pooled = Pooled().scaled_to(view.field.extent_m)
     return Nested(1.0, pooled.posterior(view.soil_map.at, view.soil_map.kpa).structures)
 
 
@@ -220,36 +213,20 @@ def _exchange(view: View, designs: Designs, route: tuple[int, ...], price: Price
     )
 
 
-def _sketched(view: View, designs: Designs, clock: Clock, price: Price) -> Exchange:
-    """Start of a plan: as many stops as there is time for, by halving."""
+def _stops_in_time(view: View, clock: Clock) -> int:
+    """Most stops there is time for, their way taken for somewhat shorter than an area split's."""
 
-    def sketch(stops: int) -> Exchange:
-        search = _exchange(view, designs, _split(view, stops), price)
-        if clock.counts_minutes:
-            search.anneal(_SKETCH_SWEEPS, inf, view.rng)
-            if not price.per_m:
-                search.price = clock.price(search)
-                search.descend(_SKETCH_SWEEPS, inf, inf, view.rng)
-        return search
+    def fits(stops: int) -> bool:
+        way = length(view.travel, view.position, view.field.cells[list(_split(view, stops))])
+        return _SHORTER * way <= clock.metres_for(stops)
 
-    fewest, most = 1, clock.most_stops(view.remaining)
-    if most < 1:
-        raise ParameterError(
-            "the time left is too short for a single stop",
-            where="strategy joint",
-            remedy="allow more minutes",
-        )
-    search = sketch(most)
-    if not clock.counts_minutes or not clock.late(search):
-        return search
+    fewest, most = 0, clock.most_stops(view.remaining)
+    if not clock.counts_minutes or not most or fits(most):
+        return most
     while most - fewest > 1:
         middle = (fewest + most) // 2
-        tried = sketch(middle)
-        if clock.late(tried):
-            most = middle
-        else:
-            fewest, search = middle, tried
-    return search if len(search.route) == fewest else sketch(fewest)
+        fewest, most = (middle, most) if fits(middle) else (fewest, middle)
+    return fewest
 
 
 def _split(view: View, stops: int) -> tuple[int, ...]:

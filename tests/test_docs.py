@@ -1,0 +1,47 @@
+"""The code in the documentation works."""
+
+from __future__ import annotations
+
+import csv
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+PAGE = Path(__file__).parents[1] / "docs" / "strategies.md"
+NAME = "mine:variance_per_second"
+
+
+def subsoil(folder: Path, *arguments: str) -> None:
+    call = [sys.executable, "-m", "subsoil", *arguments]
+    done = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_strategy_of_the_page_surveys_and_is_benchmarked(tmp_path: Path) -> None:
+    code = re.search(r"```python\n(# mine\.py\n.*?)```", PAGE.read_text(), re.DOTALL)
+    assert code
+    body = code[1].split('"""')[2]
+    assert len(body.strip().splitlines()) <= 20
+    (tmp_path / "mine.py").write_text(code[1])
+    (tmp_path / "plot.csv").write_text("easting,northing\n0,0\n60,0\n60,40\n0,40\n")
+    subsoil(tmp_path, "init", "s.gpkg", "--boundary", "plot.csv")
+    subsoil(
+        tmp_path, "run", "s.gpkg", "--strategy", NAME, "--strategy-setting", "candidates=20",
+        "--samples", "8",
+    )  # fmt: skip
+    subsoil(tmp_path, "verify", "s.gpkg")
+    subsoil(
+        tmp_path, "bench", "run", "--protocol", "signal", "--fields", "1", "--seed", "1",
+        "--strategies", f"random,{NAME}", "--estimator", "pmc", "--samples", "5",
+        "--out", "compare",
+    )  # fmt: skip
+    subsoil(tmp_path, "bench", "report", "compare")
+    with (tmp_path / "compare" / "results.csv").open() as file:
+        assert {row["strategy"] for row in csv.DictReader(file)} == {"random", NAME}
+
+
+def test_the_page_names_every_strategy() -> None:
+    from subsoil.strategies import STRATEGIES
+
+    assert set(STRATEGIES) <= set(re.findall(r"^\| `([\w-]+)` \|", PAGE.read_text(), re.MULTILINE))
