@@ -60,7 +60,7 @@ def robot_at() -> Callable[[Survey, Truth], SimulatedRobot]:
         machine = Machine(survey.cone)
         return SimulatedRobot(
             truth, machine, seed=survey.configured.seed, position=survey.position,
-            stop=survey.step, battery_s=machine.battery_s - survey.seconds,
+            stop=survey.step, pushed=survey.pushed, battery_s=machine.battery_s - survey.seconds,
         )  # fmt: skip
 
     return make

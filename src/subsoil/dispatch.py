@@ -7,7 +7,7 @@ a person.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from subsoil.errors import CorruptJournalError
@@ -27,12 +27,15 @@ class Assignment:
     at
         Its centre, easting and northing in m.
     step
-        Number of reports the survey had when it was assigned.
+        Number of stops the survey had when it was assigned.
+    pushes
+        How often to push the rod there.
     """
 
     cell: int
     at: tuple[float, float]
     step: int
+    pushes: int = 1
 
 
 @dataclass(frozen=True)
@@ -93,14 +96,17 @@ class LocalDispatch:
         self._observe(survey, event)
 
     def assign(self, agent: str) -> Assignment | Over:  # noqa: ARG002 - one agent, so far
-        """Next stop: whatever is due in the survey happens first."""
+        """Next stop: whatever is due in the survey happens first.
+
+        A stop that was left before all its pushes were made is handed out again for the rest.
+        """
         while (event := next_event(self.survey)) is not None:
             self.record(event)
         if self.survey.finished:
             return Over(self.survey.finished)
-        cell = self.survey.plan[0]
+        cell, pushes = self.survey.next_stop
         east, north = self.survey.field.cells[cell].tolist()
-        return Assignment(cell, (east, north), self.survey.step)
+        return Assignment(cell, (east, north), self.survey.step, pushes)
 
     def report(self, report: Report) -> None:
         """Take what an agent did; a report that came before is not taken twice."""
@@ -111,6 +117,8 @@ class LocalDispatch:
 
 def drive(agent: str, robot: Robot, dispatch: Dispatch) -> str:
     """Work on a survey until there is nothing left to do; returns why.
+
+    Every push is reported before the next is made. A refusal ends its stop.
 
     Parameters
     ----------
@@ -128,7 +136,12 @@ def drive(agent: str, robot: Robot, dispatch: Dispatch) -> str:
     """
     while isinstance(assignment := dispatch.assign(agent), Assignment):
         arrival = robot.go_to(assignment.at)
-        dispatch.report(report_of(agent, assignment, arrival, robot.probe()))
+        for _ in range(assignment.pushes):
+            outcome = robot.probe()
+            dispatch.report(report_of(agent, assignment, arrival, outcome))
+            if isinstance(outcome, Refusal):
+                break
+            arrival = replace(arrival, metres=0.0, seconds=0.0)
     robot.stop()
     return assignment.reason
 

@@ -7,12 +7,15 @@ through JSON bit for bit.
 
 from __future__ import annotations
 
+from math import inf
 from typing import Annotated, Literal
 from uuid import uuid4
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 
+from subsoil.kriging.choice import DriftRule
+from subsoil.stopping import Goal, Limits, Pace, Rates
 from subsoil.variogram import Bounded, Nested, Structure, model_named, name_of, name_of_kind
 
 Place = tuple[float, float]
@@ -37,6 +40,8 @@ class Opened(_Event):
     layer_weights: tuple[float, ...]
     cone_area_mm2: float
     cone_angle_deg: float
+    covariate: tuple[FiniteFloat, ...] = ()
+    """What is known beforehand of each cell, in order, if anything is."""
 
 
 class Configured(_Event):
@@ -46,6 +51,7 @@ class Configured(_Event):
     strategy: str
     strategy_settings: dict[str, float | str] = Field(default_factory=dict)
     estimator: str
+    estimator_settings: dict[str, float] = Field(default_factory=dict)
     refit_every: int = Field(ge=1)
     seed: int = Field(ge=0)
     start: Place
@@ -54,6 +60,16 @@ class Configured(_Event):
     metres: float
     minutes: float
     mean_kv: float
+    money: float = inf
+    rates: Rates = Field(default_factory=Rates)
+    pace: Pace = Field(default_factory=Pace)
+    goals: tuple[Annotated[Goal, Field(discriminator="kind")], ...] = ()
+    drift: DriftRule = "auto"
+
+    @property
+    def limits(self) -> Limits:
+        """What the survey may cost."""
+        return Limits(self.samples, self.metres, self.minutes, self.mean_kv, self.money, self.rates)
 
 
 class Planned(_Event):
@@ -65,10 +81,17 @@ class Planned(_Event):
     reason: str
     mean_kv: float
     """Field average of the kriging variance at that moment in kPa2; NaN before a sample."""
+    measures: tuple[float, ...] = ()
+    """What each goal measured at that moment; NaN before a second sample."""
+    pushes: tuple[int, ...] = ()
+    """How often to push at each stop; empty for once."""
 
 
 class Sampled(_Event):
-    """A push gave a reading; force by depth as the machine saw it."""
+    """A push gave a reading; force by depth as the machine saw it.
+
+    Further pushes at a stop are reports of their own, on the same cell and without a way.
+    """
 
     kind: Literal["sampled"] = "sampled"
     agent: str
@@ -160,6 +183,8 @@ class Fitted(_Event):
     samples: int
     models: tuple[Model, ...]
     why: tuple[str, ...]
+    drift: tuple[int, ...] = ()
+    """Indices of the layers that follow the covariate."""
 
 
 class BatterySwapped(_Event):

@@ -85,7 +85,10 @@ class Robot(Protocol):
         """
 
     def probe(self) -> Push | Refusal:
-        """Push the rod in here, with as many retries as it takes or the machine allows."""
+        """Push the rod in here, with as many retries as it takes or the machine allows.
+
+        Called again before driving elsewhere, it makes a further push beside the holes so far.
+        """
 
     def stop(self) -> None:
         """Come to rest and stay."""

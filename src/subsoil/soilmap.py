@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ParameterError
 from subsoil.kriging import Estimate, condition, over
+from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
 from subsoil.layers import Layers, Sample
 from subsoil.variogram import Estimator, Fit, Nested
 from subsoil.variogram.models import Variogram
@@ -20,7 +21,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Stack:
-    """Layers that the same samples reached, kriged together.
+    """Layers that the same samples reached, kriged together: all with drift, or all without.
 
     Attributes
     ----------
@@ -36,7 +37,7 @@ class Stack:
     """
 
     layers: tuple[int, ...]
-    estimate: Estimate
+    estimate: Estimate | Drifted
     unit: Floats
     samples: int
 
@@ -68,6 +69,10 @@ class SoilMap:
         m models; may be empty while there is no sample.
     samples
         Readings so far.
+    covariate
+        What the soil may follow, if anything is known of the field beforehand.
+    drift
+        Indices of the layers that follow it, by kriging with external drift.
     kriged
         Stacks of the same cells and variograms and the first of the samples, to go on from:
         what :meth:`append` hands on. They change what a result costs and not what it is, and do
@@ -76,7 +81,7 @@ class SoilMap:
     Raises
     ------
     ParameterError
-        If there are samples and not one variogram a layer.
+        If there are samples and not one variogram a layer, or layers follow no covariate.
 
     Examples
     --------
@@ -95,6 +100,8 @@ class SoilMap:
     layers: Layers
     variograms: tuple[Variogram, ...] = ()
     samples: tuple[Sample, ...] = ()
+    covariate: Covariate = NO_COVARIATE
+    drift: tuple[int, ...] = ()
     kriged: InitVar[tuple[Stack, ...]] = ()
     _start: tuple[Stack, ...] = field(init=False, repr=False, compare=False)
 
@@ -105,6 +112,10 @@ class SoilMap:
                 f"{len(self.variograms)} variograms for {len(self.layers)} layers",
                 where="soil map",
                 remedy="give one a layer",
+            )
+        if self.drift and not len(self.covariate):
+            raise ParameterError(
+                "layers follow a covariate and there is none", where="soil map, drift"
             )
 
     def append(self, sample: Sample) -> SoilMap:
@@ -136,22 +147,23 @@ class SoilMap:
 
     @cached_property
     def stacks(self) -> tuple[Stack, ...]:
-        """Layers by the samples that reached them; layers without any are in none."""
-        by_reach: dict[bytes, list[int]] = {}
+        """Layers by the samples that reached them and by drift; those without samples in none."""
+        alike: dict[tuple[bytes, bool], list[int]] = {}
         for layer, reached in enumerate(np.isfinite(self.kpa)):
             if reached.any():
-                by_reach.setdefault(reached.tobytes(), []).append(layer)
+                alike.setdefault((reached.tobytes(), layer in self.drift), []).append(layer)
         before = {stack.layers: stack for stack in self._start}
         return tuple(
             self._followed(before[layers]) if layers in before else self._begun(layers)
-            for layers in map(tuple, by_reach.values())
+            for layers in map(tuple, alike.values())
         )
 
     def _begun(self, layers: tuple[int, ...]) -> Stack:
         """Krige layers from nothing."""
         at, kpa, error = self._readings(layers)
         models, unit = _in_units(tuple(self.variograms[k] for k in layers), error)
-        estimate = over(condition(models, at, kpa, error_variance=error), self.cells)
+        plain = over(condition(models, at, kpa, error_variance=error), self.cells)
+        estimate = Drifted(plain, self.covariate) if layers[0] in self.drift else plain
         return Stack(layers, estimate, unit, len(self.samples))
 
     def _followed(self, stack: Stack) -> Stack:
@@ -253,15 +265,19 @@ class SoilMap:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the map should know: which models had to be replaced."""
+        """What a reader of the map should know: models replaced, and a covariate followed."""
         layers = zip(self.layers.names, self.variograms, self.kriged_with, strict=False)
         replaced = [name for name, model, used in layers if used != model]
-        if not replaced:
-            return ()
-        return (
-            f"{', '.join(replaced)}: bounded linear model not valid in the plane for these "
-            "readings: kriged with the circular model of the same slope",
-        )
+        said = []
+        if replaced:
+            said.append(
+                f"{', '.join(replaced)}: bounded linear model not valid in the plane for these "
+                "readings: kriged with the circular model of the same slope"
+            )
+        if self.drift:
+            names = ", ".join(self.layers.names[k] for k in self.drift)
+            said.append(f"{names}: the mean follows the covariate")
+        return tuple(said)
 
 
 def _in_units(

@@ -8,10 +8,10 @@ was cut short goes on exactly as one that was not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from math import hypot, nan
+from math import nan
 
 import numpy as np
 import shapely
@@ -31,12 +31,16 @@ from subsoil.events import (
     model_record,
 )
 from subsoil.field import Field
+from subsoil.kriging.choice import learn
+from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Cone, Insertion
+from subsoil.routing import length
 from subsoil.soilmap import SoilMap
 from subsoil.stopping import Rates, Spent, Standing
 from subsoil.strategies import Plan, View, strategy_named
-from subsoil.variogram import estimator_named
+from subsoil.travel import travel_of
+from subsoil.variogram import Estimator, estimator_named
 
 _STRATEGY_STREAM = 2
 _NEVER = -1
@@ -59,10 +63,19 @@ class Survey:
         The map so far.
     plan
         Cells still to visit, in order.
+    pushes
+        How often to push at each of them; empty for once.
     reason
         Why this plan.
     visited, refused
         Cells probed and cells that refused, in order.
+    places
+        Easting and northing in m of the first hole in each cell probed: where all readings of
+        the stop are taken to be, so that kriging averages them.
+    repeats
+        Cells of the readings beyond the first of their stop, in order.
+    due
+        Pushes still to make where the agent is.
     position
         Where the agent is, easting and northing in m.
     metres, seconds
@@ -88,9 +101,13 @@ class Survey:
     soil_map: SoilMap
     settings: tuple[Configured, ...] = ()
     plan: tuple[int, ...] = ()
+    pushes: tuple[int, ...] = ()
     reason: str = ""
     visited: tuple[int, ...] = ()
     refused: tuple[int, ...] = ()
+    places: tuple[tuple[float, float], ...] = ()
+    repeats: tuple[int, ...] = ()
+    due: int = 0
     position: tuple[float, float] = (0.0, 0.0)
     metres: float = 0.0
     seconds: float = 0.0
@@ -118,8 +135,20 @@ class Survey:
 
     @property
     def step(self) -> int:
-        """Number of reports so far."""
+        """Number of stops so far, however many pushes were made there."""
         return len(self.visited) + len(self.refused)
+
+    @property
+    def next_stop(self) -> tuple[int, int]:
+        """Cell to push the rod in, and how often: the last one again while pushes are due."""
+        if self.due:
+            return self.visited[-1], self.due
+        return self.plan[0], self.pushes[0] if self.pushes else 1
+
+    @property
+    def pushed(self) -> int:
+        """Pushes made at the stop that the agent is at, while more are due there."""
+        return 1 + self.repeats.count(self.visited[-1]) if self.due else 0
 
     @property
     def minutes(self) -> float:
@@ -133,10 +162,11 @@ class Survey:
 
     @property
     def spent_after_next(self) -> Spent:
-        """What it will have cost after the next planned stop, at its pace and with one push."""
-        east, north = self.field.cells[self.plan[0]]
-        metres = hypot(east - self.position[0], north - self.position[1])
-        minutes = self.minutes + self.configured.pace.minutes(metres, 1)
+        """What it will have cost after the next planned stop and its pushes, at its pace."""
+        travel, stop = travel_of(self.field), self.field.cells[self.plan[0]]
+        metres = length(travel, self.position, stop)
+        further = self.next_stop[1] - 1
+        minutes = self.minutes + self.configured.pace.minutes(metres, 1, further)
         return self._spent(len(self.visited) + 1, self.metres + metres, minutes)
 
     def _spent(self, samples: int, metres: float, minutes: float) -> Spent:
@@ -165,11 +195,15 @@ def opened(event: Opened) -> Survey:
     )
     layers = Layers(event.layer_edges_m, event.layer_weights)
     cone = Cone(event.cone_area_mm2, event.cone_angle_deg)
-    return Survey(event.name, field, layers, cone, SoilMap(field.cells, layers))
+    covariate = NO_COVARIATE
+    if event.covariate:
+        covariate = Covariate(field.cells, np.array(event.covariate))
+    soil_map = SoilMap(field.cells, layers, covariate=covariate)
+    return Survey(event.name, field, layers, cone, soil_map)
 
 
-def opening(field: Field, layers: Layers, cone: Cone) -> Opened:
-    """Event that sets up a survey."""
+def opening(field: Field, layers: Layers, cone: Cone, covariate: Sequence[float] = ()) -> Opened:
+    """Event that sets up a survey; a covariate has one value a cell."""
     return Opened(
         name=field.name,
         boundary_wkt=_wkt(field.boundary),
@@ -180,6 +214,7 @@ def opening(field: Field, layers: Layers, cone: Cone) -> Opened:
         layer_weights=layers.weights,
         cone_area_mm2=cone.area_mm2,
         cone_angle_deg=cone.angle_deg,
+        covariate=tuple(covariate),
     )
 
 
@@ -206,19 +241,20 @@ def apply(survey: Survey, event: Event) -> Survey:
         case Sampled() | Refused() if event.id in survey.reports:
             return survey
         case Sampled():
-            survey = replace(survey, soil_map=_with_sample(survey, event))
-            return replace(_moved(survey, event), visited=(*survey.visited, event.cell))
+            return _pushed(survey, event)
+        case Refused() if event.cell in survey.visited:
+            return replace(_moved(survey, event), due=0)
         case Refused():
-            return replace(_moved(survey, event), refused=(*survey.refused, event.cell))
+            return replace(_moved(survey, event), refused=(*survey.refused, event.cell), due=0)
         case Fitted():
             variograms = tuple(model.variogram for model in event.models)
-            soil_map = survey.soil_map.refit(variograms)
+            soil_map = replace(survey.soil_map.refit(variograms), drift=event.drift)
             return replace(survey, soil_map=soil_map, fitted_at=event.samples)
         case Planned():
             goals, taken = survey.configured.goals, len(survey.visited)
             standing = survey.standing.updated(goals, taken, event.measures)
-            survey = replace(survey, plan=event.cells, reason=event.reason, standing=standing)
-            return replace(survey, planned_at=event.step)
+            survey = replace(survey, plan=event.cells, pushes=event.pushes, reason=event.reason)
+            return replace(survey, standing=standing, planned_at=event.step)
         case BatterySwapped():
             return replace(survey, charged_at=survey.seconds, finished="")
         case Finished():
@@ -229,7 +265,7 @@ def apply(survey: Survey, event: Event) -> Survey:
 
 def next_event(survey: Survey) -> Event | None:
     """What follows from the state alone; ``None`` when the next thing must come from an agent."""
-    if survey.finished:
+    if survey.finished or survey.due:
         return None
     settings = survey.configured
     taken = len(survey.visited)
@@ -258,13 +294,28 @@ def view(survey: Survey) -> View:
         budget=settings.samples,
         fresh=survey.planned_at == _NEVER,
         rng=np.random.default_rng(key),
+        metres=survey.metres,
+        pace=settings.pace,
+        metres_left=settings.metres - survey.metres,
+        minutes_left=settings.minutes - survey.minutes,
+        pushes=survey.pushes,
+        repeats=survey.repeats,
     )
 
 
+def estimator_of(survey: Survey) -> Estimator:
+    """What estimates the survey's variograms."""
+    settings = survey.configured
+    return estimator_named(settings.estimator, survey.field.extent_m, settings.estimator_settings)
+
+
 def sample_of(survey: Survey, event: Sampled) -> Sample:
-    """Layer values that a push gave."""
+    """Layer values that a push gave, at the place of its stop's first one."""
+    at = event.at
+    if event.cell in survey.visited:
+        at = survey.places[survey.visited.index(event.cell)]
     insertion = Insertion(np.array(event.depth_m), np.array(event.force_n), event.ending)
-    return survey.layers.sample(insertion.profile(survey.cone), event.at)
+    return survey.layers.sample(insertion.profile(survey.cone), at)
 
 
 def _configure(survey: Survey, event: Configured) -> Survey:
@@ -273,9 +324,26 @@ def _configure(survey: Survey, event: Configured) -> Survey:
         settings=(*survey.settings, event),
         position=survey.position if survey.step else event.start,
         plan=(),
+        pushes=(),
+        due=0,
         planned_at=_NEVER,
         standing=_NOTHING_MEASURED,
         finished="",
+    )
+
+
+def _pushed(survey: Survey, event: Sampled) -> Survey:
+    """Take a reading in: the first of a stop, or a further one."""
+    survey = replace(survey, soil_map=_with_sample(survey, event))
+    if event.cell in survey.visited:
+        due = max(survey.due - 1, 0)
+        return replace(_moved(survey, event), repeats=(*survey.repeats, event.cell), due=due)
+    asked = dict(zip(survey.plan, survey.pushes, strict=False)).get(event.cell, 1)
+    return replace(
+        _moved(survey, event),
+        visited=(*survey.visited, event.cell),
+        places=(*survey.places, event.at),
+        due=asked - 1,
     )
 
 
@@ -283,18 +351,18 @@ def _with_sample(survey: Survey, event: Sampled) -> SoilMap:
     sample = sample_of(survey, event)
     if survey.soil_map.variograms:
         return survey.soil_map.append(sample)
-    first = SoilMap(survey.soil_map.cells, survey.layers, (), ())
-    fits = estimator_named(survey.configured.estimator)(
-        np.array([sample.at]), sample.measured_kpa[:, None]
-    )
+    first = survey.soil_map
+    fits = estimator_of(survey)(np.array([sample.at]), sample.measured_kpa[:, None])
     return replace(first, variograms=tuple(fit.variogram for fit in fits), samples=(sample,))
 
 
 def _moved(survey: Survey, event: Sampled | Refused) -> Survey:
+    ahead = [k for k, cell in enumerate(survey.plan) if cell != event.cell]
     return replace(
         survey,
         position=tuple(survey.field.cells[event.cell].tolist()),
-        plan=tuple(cell for cell in survey.plan if cell != event.cell),
+        plan=tuple(survey.plan[k] for k in ahead),
+        pushes=tuple(survey.pushes[k] for k in ahead) if survey.pushes else (),
         metres=survey.metres + event.metres,
         seconds=survey.seconds + event.seconds,
         reports=survey.reports | {event.id},
@@ -309,11 +377,13 @@ def _refit_due(survey: Survey) -> bool:
 
 
 def _fit(survey: Survey) -> Fitted:
-    fits = survey.soil_map.fit(estimator_named(survey.configured.estimator))
+    soil_map, rule = survey.soil_map, survey.configured.drift
+    learnt = learn(soil_map.at, soil_map.kpa, soil_map.covariate, estimator_of(survey), rule)
     return Fitted(
         samples=len(survey.visited),
-        models=tuple(model_record(fit.variogram) for fit in fits),
-        why=tuple(fit.why for fit in fits),
+        models=tuple(model_record(fit.variogram) for fit in learnt.fits),
+        why=tuple(fit.why for fit in learnt.fits),
+        drift=learnt.drift,
     )
 
 
@@ -327,6 +397,7 @@ def _plan(survey: Survey) -> Planned:
         reason=plan.reason,
         mean_kv=survey.mean_kv,
         measures=_measures(survey, plan),
+        pushes=plan.pushes,
     )
 
 
@@ -344,13 +415,19 @@ def _enough(survey: Survey) -> str:
     if reason := survey.standing.reached(settings.goals):
         return reason
     if not survey.plan:
-        return "every planned stop is made"
+        return survey.reason
     return settings.limits.passed(survey.spent, survey.spent_after_next)
 
 
 def _check_plan(survey: Survey, plan: Plan) -> None:
     where = f"strategy {survey.configured.strategy}"
     gone = {*survey.visited, *survey.refused}
+    if plan.pushes and (len(plan.pushes) != len(plan.cells) or min(plan.pushes) < 1):
+        raise ParameterError(
+            f"it plans {plan.pushes} pushes at {len(plan.cells)} stops",
+            where=where,
+            remedy="plan one or more at each, or none for one each",
+        )
     for k, cell in enumerate(plan.cells):
         if not 0 <= cell < len(survey.field.cells):
             raise ParameterError(f"it plans cell {cell}, which is not in the field", where=where)

@@ -75,9 +75,12 @@ def test_plan_shows_the_stops_that_run_then_makes(cli: Cli, survey: Path) -> Non
 
 def test_a_survey_stops_at_its_limits(cli: Cli, survey: Path) -> None:
     result = cli("run", survey, "--samples", 40, "--minutes", 6, "--json").json
-    assert result["finished"] == "6 minutes spent"
-    more = cli("run", survey, "--samples", 40, "--metres", result["metres"] + 10, "--json").json
+    assert "the next stop would take it beyond 6" in result["finished"]
+    assert result["minutes"] <= 6
+    limit = result["metres"] + 60
+    more = cli("run", survey, "--samples", 40, "--metres", limit, "--json").json
     assert more["samples"] > result["samples"]
+    assert more["metres"] <= limit
     assert "metres driven" in more["finished"]
 
 

@@ -11,8 +11,8 @@ from subsoil.events import Configured, Event, Opened, Planned
 from subsoil.report import Progress
 from subsoil.scores import rmse
 from subsoil.simulation import SimulatedRobot, Truth
-from subsoil.survey import Survey, apply, opened
-from subsoil.variogram import Fit, estimator_named
+from subsoil.survey import Survey, apply, estimator_of, opened
+from subsoil.variogram import Fit
 
 SAMPLES = 8
 
@@ -60,7 +60,7 @@ def history(done: tuple[Survey, tuple[Progress, ...]]) -> tuple[Progress, ...]:
 @pytest.fixture(scope="session")
 def fits(survey: Survey) -> tuple[Fit, ...]:
     """Fits of its variograms."""
-    return survey.soil_map.fit(estimator_named(survey.configured.estimator))
+    return survey.soil_map.fit(estimator_of(survey))
 
 
 def _progress(survey: Survey, truth: Truth) -> Progress:

@@ -146,12 +146,17 @@ def test_with_no_time_left_there_is_no_plan() -> None:
     assert plan == Plan((), "no time left for another stop")
 
 
-def test_a_higher_elasticity_gives_a_shorter_way_and_a_higher_variance() -> None:
+@pytest.mark.parametrize(
+    ("setting", "values"), [("way", (1.1, 0.9, 0.6)), ("price_per_m", (1e-5, 2e-4, 1e-3))]
+)
+def test_a_smaller_share_or_a_higher_price_gives_a_shorter_way_and_a_higher_variance(
+    setting: str, values: tuple[float, ...]
+) -> None:
     designs = designs_for(view(TEST_BED, 12))
     ways, variances = [], []
-    for elasticity in (0.02, 0.15, 0.5):
+    for value in values:
         start = view(TEST_BED, 12)
-        plan = joint(start, elasticity=elasticity)
+        plan = strategy_named("joint", {setting: value})(start)
         ways.append(length(start.travel, start.position, TEST_BED.cells[list(plan.cells)]))
         variances.append(designs.mean_variance(plan.cells))
     assert ways == sorted(ways, reverse=True)
@@ -181,7 +186,7 @@ def test_the_same_view_gives_the_same_plan() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"elasticity": -0.1}, "cannot be -0.1"),
+        ({"way": 0.0}, "a way of 0 is none"),
         ({"price_per_m": inf}, "cannot be inf"),
         ({"sweeps": 0}, "0 sweeps find nothing"),
     ],

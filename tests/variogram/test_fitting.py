@@ -21,6 +21,7 @@ from subsoil.variogram import (
     Exponential,
     Fit,
     Spherical,
+    Variogram,
     Weights,
     empirical,
     empirical_layers,
@@ -52,7 +53,7 @@ def noisy_bins(seed: int) -> EmpiricalVariogram:
     return bins(semivariance(truth, LAG) * rng.uniform(0.6, 1.4, LAG.size))
 
 
-def weighted_squares(curve: EmpiricalVariogram, model: Bounded, weights: Weights) -> float:
+def weighted_squares(curve: EmpiricalVariogram, model: Variogram, weights: Weights) -> float:
     modelled = semivariance(model, curve.lag)
     divisor = np.ones(1)
     if weights != "pairs":

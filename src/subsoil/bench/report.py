@@ -23,7 +23,7 @@ from subsoil.bench.task import Entrant, Setting, Task
 from subsoil.bench.world import truth_of
 from subsoil.errors import ParameterError
 from subsoil.plots.album import DPI, draw_survey
-from subsoil.variogram import estimator_named
+from subsoil.survey import estimator_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -113,7 +113,7 @@ def _example(found: Standing, setting: Setting) -> dict[str, Figure]:
     task = Task(setting, min(found.results[entrant]), entrant)
     truth = truth_of(setting, task.field)
     survey = surveyed(task, setting.samples[-1], truth, Scorer(truth))
-    fits = survey.soil_map.fit(estimator_named(entrant.estimator))
+    fits = survey.soil_map.fit(estimator_of(survey))
     drawn = draw_survey(survey, (), fits)
     return {f"example_{name}": drawn[name] for name in ("depth_slices", "std_dev", "variograms")}
 

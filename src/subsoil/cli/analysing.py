@@ -9,7 +9,17 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from subsoil.cli.options import DEFAULT_EDGES, CellSize, Edges, EstimatorName, layers_of
+from subsoil.cli.known import Column, CovariateFile, Drift, covariate_of, rule_named
+from subsoil.cli.options import (
+    DEFAULT_EDGES,
+    CellSize,
+    Edges,
+    EstimatorName,
+    EstimatorSettings,
+    extent_of,
+    layers_of,
+    numbers,
+)
 from subsoil.cli.output import AsJson, Out, folder, tell, tell_table
 from subsoil.errors import ParameterError
 from subsoil.field import Field
@@ -18,6 +28,8 @@ from subsoil.io.rasters import write_geotiffs
 from subsoil.io.readings import read_readings
 from subsoil.journal import read_events
 from subsoil.kriging import condition
+from subsoil.kriging.choice import learn
+from subsoil.kriging.drift import NO_COVARIATE, Covariate, leave_one_out_with
 from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Cone
 from subsoil.plots import readings_figures
@@ -39,7 +51,7 @@ Units = Annotated[
     str | None,
     typer.Option(help="Unit of the readings where the file does not say: kpa, mpa, psi."),
 ]
-_ESTIMATOR = "spherical"
+_ESTIMATOR = "pmc"
 
 
 @dataclass(frozen=True)
@@ -78,19 +90,27 @@ def make_map(
     cell: CellSize = 5.0,
     layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
+    setting: EstimatorSettings = None,
     cone_area: OptionalConeArea = None,
     units: Units = None,
     crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    covariate: CovariateFile = None,
+    column: Column = None,
+    drift: Drift = "auto",
     as_json: AsJson = False,
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     field = read_field(boundary, crs=crs, cell_size=cell)
     material = _material(readings, layers, field, crs, cone_area, units)
-    fits = estimator_named(estimator)(material.at, material.kpa)
+    known = covariate_of(covariate, column, field, crs)
+    chosen = estimator_named(estimator, field.extent_m, numbers(setting))
+    learnt = learn(material.at, material.kpa, known, chosen, rule_named(drift))
+    fits = learnt.fits
     soil_map = SoilMap(
-        field.cells, material.layers, tuple(fit.variogram for fit in fits), material.samples
-    )
-    scores = _scores(material, fits)
+        field.cells, material.layers, tuple(fit.variogram for fit in fits), material.samples,
+        known, learnt.drift,
+    )  # fmt: skip
+    scores = _scores(material, fits, known, learnt.drift)
     rasters = write_geotiffs(soil_map, field, folder(out))
     figures = readings_figures(soil_map, field, fits, out)
     result = {
@@ -101,6 +121,7 @@ def make_map(
         "refused": material.refused,
         "std_dev_kpa": float(np.sqrt(soil_map.mean_kv)),
         "notes": soil_map.notes,
+        "drift": [material.layers.names[k] for k in learnt.drift],
         "maps": rasters,
         "figures": figures,
     }
@@ -114,6 +135,7 @@ def variogram(
     boundary: OptionalBoundary = None,
     layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
+    setting: EstimatorSettings = None,
     cone_area: OptionalConeArea = None,
     units: Units = None,
     crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
@@ -122,7 +144,8 @@ def variogram(
     """Show empirical variograms with pair counts, and what was fitted to them."""
     field = read_field(boundary, crs=crs) if boundary else None
     material = _material(readings, layers, field, crs, cone_area, units)
-    fits = estimator_named(estimator)(material.at, material.kpa)
+    extent = field.extent_m if field else extent_of(material.at)
+    fits = estimator_named(estimator, extent, numbers(setting))(material.at, material.kpa)
     if as_json:
         reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
         tell({"samples": len(material.samples), "layers": reports}, as_json)
@@ -143,6 +166,7 @@ def cv(
     boundary: OptionalBoundary = None,
     layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
+    setting: EstimatorSettings = None,
     block: Annotated[float, typer.Option(help="Side in m of the blocks left out together.")] = 50.0,
     cone_area: OptionalConeArea = None,
     units: Units = None,
@@ -152,7 +176,8 @@ def cv(
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     field = read_field(boundary, crs=crs) if boundary else None
     material = _material(readings, layers, field, crs, cone_area, units)
-    fits = estimator_named(estimator)(material.at, material.kpa)
+    extent = field.extent_m if field else extent_of(material.at)
+    fits = estimator_named(estimator, extent, numbers(setting))(material.at, material.kpa)
     scores = _scores(material, fits)
     blocks = []
     for fit, kpa in zip(fits, material.kpa, strict=True):
@@ -201,9 +226,15 @@ def _material(
     return material
 
 
-def _scores(material: Material, fits: tuple[Fit, ...]) -> list[LeaveOneOut]:
+def _scores(
+    material: Material,
+    fits: tuple[Fit, ...],
+    covariate: Covariate = NO_COVARIATE,
+    drift: tuple[int, ...] = (),
+) -> list[LeaveOneOut]:
     scores = []
-    for name, fit, kpa in zip(material.layers.names, fits, material.kpa, strict=True):
+    layers = zip(material.layers.names, fits, material.kpa, strict=True)
+    for k, (name, fit, kpa) in enumerate(layers):
         known = np.isfinite(kpa)
         if known.sum() < 3:
             raise ParameterError(
@@ -212,7 +243,7 @@ def _scores(material: Material, fits: tuple[Fit, ...]) -> list[LeaveOneOut]:
                 remedy="leave it out with --layers",
             )
         ok = condition(fit.variogram, material.at[known], kpa[None, known])
-        scores.append(leave_one_out(ok))
+        scores.append(leave_one_out_with(covariate, ok) if k in drift else leave_one_out(ok))
     return scores
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from subsoil.cli import enough
 from subsoil.cli.looking import summary
 from subsoil.cli.options import (
     DEFAULT_ESTIMATOR,
@@ -30,8 +31,7 @@ from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
 from subsoil.scores import rmse
 from subsoil.simulation import Truth
-from subsoil.survey import Survey, fold, opening
-from subsoil.variogram import estimator_named
+from subsoil.survey import Survey, estimator_of, fold, opening
 
 World = Literal["simulated", "riseholme"]
 _FILE = "survey.gpkg"
@@ -46,6 +46,9 @@ def demo(
     samples: Samples = 30,
     seed: Seed = 0,
     estimator: EstimatorName = DEFAULT_ESTIMATOR,
+    minutes: enough.Minutes = math.inf,
+    target_rmse: enough.Target = None,
+    probability: enough.Probability = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace the survey of an earlier demonstration.")
     ] = False,
@@ -63,11 +66,15 @@ def demo(
         )
     land = _land(field)
     layers = Layers()
-    settings = configured(land, strategy, samples, seed, estimator=estimator, world=field)
+    goals = enough.goals(target_rmse, probability, None, None, None, None)
+    settings = configured(
+        land, strategy, samples, seed,
+        estimator=estimator, world=field, minutes=minutes, goals=goals,
+    )  # fmt: skip
     truth = truth_of(field, land, layers, seed)
     with create(path, opening(land, layers, SMALL_CONE)) as journal:
         survey, history = _survey(journal, settings, truth)
-    fits = survey.soil_map.fit(estimator_named(estimator))
+    fits = survey.soil_map.fit(estimator_of(survey))
     rasters = write_geotiffs(survey.soil_map, land, out)
     report = write_report(survey, history, fits, out)
     result = {

@@ -4,28 +4,46 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from subsoil.cli import enough
 from subsoil.cli.options import (
     DEFAULT_STRATEGY,
     Samples,
     StrategyName,
+    StrategySettings,
     SurveyFile,
     configured,
+    values,
 )
-from subsoil.cli.output import AsJson, Seed, tell, tell_table
+from subsoil.cli.output import AsJson, Seed, folder, tell, tell_table
 from subsoil.errors import ParameterError
-from subsoil.events import Planned
+from subsoil.events import Event, Opened, Planned
 from subsoil.field import Field
 from subsoil.journal import read_events
+from subsoil.plots import outlook_curve
+from subsoil.plots.album import DPI
+from subsoil.report.outlook import (
+    SURE,
+    Outlook,
+    Prospect,
+    in_words,
+    out_of_reach,
+    outlook,
+    too_sure,
+)
+from subsoil.report.progress import progress_of
 from subsoil.routing import length
 from subsoil.simulation import Machine
 from subsoil.survey import Survey, fold, next_event
+from subsoil.travel import travel_of
 from subsoil.verification import verify as differences
 
 _DEGREES = {"longitude", "latitude"}
+_ROWS = {1, 2, 3, 5, 10, 15, 20, 30, 40}
 
 
 def plan(
@@ -33,25 +51,32 @@ def plan(
     strategy: StrategyName = DEFAULT_STRATEGY,
     samples: Samples = 30,
     seed: Seed = 0,
+    metres: enough.Metres = math.inf,
+    minutes: enough.Minutes = math.inf,
+    strategy_setting: StrategySettings = None,
     as_json: AsJson = False,
 ) -> None:
     """Show where a survey would go next; changes nothing."""
     state = fold(read_events(survey))
     if not state.settings:
-        state = fold((*read_events(survey), configured(state.field, strategy, samples, seed)))
-    stops = state.plan
+        settings = configured(
+            state.field, strategy, samples, seed,
+            metres=metres, minutes=minutes, strategy_settings=values(strategy_setting),
+        )  # fmt: skip
+        state = fold((*read_events(survey), settings))
+    stops, reason = state.plan, state.reason
     due = next_event(state)
     if isinstance(due, Planned):
-        stops = due.cells
+        stops, reason = due.cells, due.reason
     machine = Machine(state.cone)
-    metres = length(state.position, state.field.cells[list(stops)])
-    minutes = (metres / machine.speed_mps + len(stops) * machine.stop_s) / 60
+    way = length(travel_of(state.field), state.position, state.field.cells[list(stops)])
     result: dict[str, object] = {
         "survey": survey,
         "strategy": state.configured.strategy,
         "stops": len(stops),
-        "metres": metres,
-        "minutes": minutes,
+        "metres": way,
+        "minutes": (way / machine.speed_mps + len(stops) * machine.stop_s) / 60,
+        "reason": reason,
     }
     if as_json:
         tell({**result, "plan": [_stop(state.field, cell) for cell in stops]}, as_json)
@@ -60,9 +85,35 @@ def plan(
     tell_table("Stops", *_stop_table(state.field, stops))
 
 
-def status(survey: SurveyFile, as_json: AsJson = False) -> None:
-    """Say how a survey stands, running or not."""
-    tell(summary(fold(read_events(survey))), as_json)
+def status(
+    survey: SurveyFile,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for a picture of what more would buy.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say how a survey stands, running or not: how good its map is, what more would buy."""
+    events = read_events(survey)
+    state = fold(events)
+    prospects = outlook(state)
+    words = in_words(state, prospects)
+    notes = (*state.soil_map.notes, *too_sure(state), *out_of_reach(state, prospects))
+    result = {**summary(state), "notes": notes}
+    if out:
+        result["picture"] = _draw(events, prospects, folder(out) / "outlook.png")
+    if as_json:
+        numbers = {
+            "outlook": words,
+            "rmse_kpa": prospects.rmse,
+            "rmse_80_kpa": prospects.error.rmse(SURE),
+            "forecast": [_prospect(state, entry) for entry in prospects.ahead],
+        }
+        tell({**result, **numbers}, as_json)
+        return
+    print(words)
+    tell(result, as_json)
+    if prospects.ahead:
+        tell_table("What more would buy", *_forecast_table(prospects))
 
 
 def replay(
@@ -113,7 +164,41 @@ def summary(survey: Survey) -> dict[str, object]:
             "target_samples": settings.samples,
             "seed": settings.seed,
         }
+        if survey.standing.measures:
+            pairs = zip(settings.goals, survey.standing.measures, strict=True)
+            result["goals"] = tuple(goal.words(measure) for goal, measure in pairs)
+        if not settings.rates.free:
+            result |= {"money": survey.spent.money, "currency": settings.rates.currency}
     return result
+
+
+def _draw(events: Sequence[Event], prospects: Outlook, path: Path) -> Path:
+    first, *later = events
+    assert isinstance(first, Opened)
+    figure = outlook_curve(progress_of(first, later), prospects, caption=first.name)
+    figure.savefig(path, dpi=DPI)
+    return path
+
+
+def _prospect(survey: Survey, entry: Prospect) -> dict[str, float]:
+    """Where more samples would bring a survey, in all."""
+    spent = survey.spent
+    return {
+        "samples": spent.samples + entry.more,
+        "minutes": spent.minutes + entry.minutes,
+        "money": spent.money + entry.money,
+        "rmse_kpa": entry.rmse,
+    }
+
+
+def _forecast_table(prospects: Outlook) -> tuple[list[str], list[list[str]]]:
+    """Columns and rows of what more would buy."""
+    rows = [
+        [f"{entry.more}", f"{entry.minutes:.0f}", f"{entry.rmse:.1f}"]
+        for entry in prospects.ahead
+        if entry.more in _ROWS or entry in prospects.milestones
+    ]
+    return ["more samples", "minutes", "predicted_rmse_kpa"], rows
 
 
 def _stop(field: Field, cell: int) -> dict[str, float]:

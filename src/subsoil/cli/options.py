@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
 import shapely
 import typer
+from numpy.typing import NDArray
 
+from subsoil.cli.enough import checked
 from subsoil.cli.worlds import check_world
 from subsoil.errors import ParameterError
 from subsoil.events import Configured
 from subsoil.field import Field
 from subsoil.layers import Layers
+from subsoil.stopping import Goal, Rates
 from subsoil.strategies import strategy_named
 from subsoil.variogram import estimator_named
 
@@ -27,6 +32,22 @@ Boundary = Annotated[
 StrategyName = Annotated[str, typer.Option(help="Strategy by name, or module:attribute.")]
 Samples = Annotated[int, typer.Option(help="Readings to take.", min=1)]
 EstimatorName = Annotated[str, typer.Option(help="How variograms are estimated.")]
+EstimatorSettings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--estimator-setting",
+        metavar="NAME=NUMBER",
+        help="Parameter of the estimator, such as median_range=60; may be repeated.",
+    ),
+]
+StrategySettings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--strategy-setting",
+        metavar="NAME=VALUE",
+        help="Parameter of the strategy, such as way=0.8; may be repeated.",
+    ),
+]
 CellSize = Annotated[float, typer.Option(help="Side of a cell in m.")]
 ConeArea = Annotated[
     float, typer.Option(help="Base area of the cone in mm2: 130 or 323 as a rule.")
@@ -34,8 +55,10 @@ ConeArea = Annotated[
 
 Edges = Annotated[str, typer.Option(help="Edges of the depth layers in m, comma-separated.")]
 
-DEFAULT_STRATEGY = "adaptive-monte-carlo"
-DEFAULT_ESTIMATOR = "paper-10"
+DEFAULT_STRATEGY = "joint-adaptive"
+DEFAULT_ESTIMATOR = "pmc"
+_FREE = Rates()
+_NONE: Mapping[str, float] = MappingProxyType({})
 DEFAULT_EDGES = "0,0.05,0.1,0.15,0.2,0.25,0.3,0.35,0.4"
 
 
@@ -51,16 +74,22 @@ def configured(
     metres: float = math.inf,
     minutes: float = math.inf,
     mean_kv: float = 0.0,
+    money: float = math.inf,
+    rates: Rates = _FREE,
+    goals: tuple[Goal, ...] = (),
+    strategy_settings: Mapping[str, float | str] = _NONE,
+    estimator_settings: Mapping[str, float] = _NONE,
 ) -> Configured:
     """Event that decides how to survey a field.
 
     Raises
     ------
     ParameterError
-        If strategy, estimator or world are unknown, or there are fewer cells than samples.
+        If strategy, estimator or world are unknown, there are fewer cells than samples, or the
+        limits leave no room for one stop.
     """
-    strategy_named(strategy)
-    estimator_named(estimator)
+    strategy_named(strategy, dict(strategy_settings))
+    estimator_named(estimator, field.extent_m, estimator_settings)
     check_world(world)
     if samples > len(field.cells):
         raise ParameterError(
@@ -68,9 +97,11 @@ def configured(
             where="--samples",
             remedy="take fewer, or start a survey with smaller cells",
         )
-    return Configured(
+    settings = Configured(
         strategy=strategy,
+        strategy_settings=dict(strategy_settings),
         estimator=estimator,
+        estimator_settings=dict(estimator_settings),
         refit_every=refit_every,
         seed=seed,
         start=_start_of(field),
@@ -79,7 +110,52 @@ def configured(
         metres=metres,
         minutes=minutes,
         mean_kv=mean_kv,
+        money=money,
+        rates=rates,
+        goals=goals,
     )
+    return checked(settings, field)
+
+
+def values(settings: list[str] | None) -> dict[str, float | str]:
+    """Parameters given as NAME=VALUE, numbers as such.
+
+    Raises
+    ------
+    ParameterError
+        If one has no name or no value.
+    """
+    found: dict[str, float | str] = {}
+    for text in settings or []:
+        name, _, value = text.partition("=")
+        if not (name and value):
+            raise ParameterError(f"{text!r} is not NAME=VALUE", where="setting")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            found[name] = value
+    return found
+
+
+def numbers(settings: list[str] | None) -> dict[str, float]:
+    """Parameters given as NAME=NUMBER.
+
+    Raises
+    ------
+    ParameterError
+        If one has no name or no number.
+    """
+    found = {}
+    for name, value in values(settings).items():
+        if isinstance(value, str):
+            raise ParameterError(f"{name} needs a number, not {value!r}", where="setting")
+        found[name] = value
+    return found
+
+
+def extent_of(at: NDArray[np.float64]) -> float:
+    """Diagonal in m of the box around (n, 2) places, one metre at least."""
+    return max(float(np.hypot(*np.ptp(at, axis=0))), 1.0)
 
 
 def _start_of(field: Field) -> tuple[float, float]:

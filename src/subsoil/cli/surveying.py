@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from subsoil.cli import enough
+from subsoil.cli.known import Column, CovariateFile, Drift, covariate_of, rule_named
 from subsoil.cli.looking import summary
 from subsoil.cli.options import (
     DEFAULT_EDGES,
@@ -19,11 +21,15 @@ from subsoil.cli.options import (
     ConeArea,
     Edges,
     EstimatorName,
+    EstimatorSettings,
     Samples,
     StrategyName,
+    StrategySettings,
     SurveyFile,
     configured,
     layers_of,
+    numbers,
+    values,
 )
 from subsoil.cli.output import AsJson, Seed, progress, tell
 from subsoil.cli.worlds import robot_of, truth_of
@@ -34,6 +40,7 @@ from subsoil.io.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
 from subsoil.simulation import Machine
+from subsoil.stopping import Rates
 from subsoil.survey import Survey, apply, fold, opening
 
 _AGENT = "simulated robot"
@@ -52,11 +59,15 @@ def init(
     crs: Annotated[
         str | None, typer.Option(help="Frame of a boundary that does not name one.")
     ] = None,
+    covariate: CovariateFile = None,
+    column: Column = None,
     as_json: AsJson = False,
 ) -> None:
     """Start a survey of a field."""
     field = read_field(boundary, crs=crs, cell_size=cell, keep_outs=keep_outs)
-    opened = opening(field, layers_of(layers), Cone(cone_area, cone_angle))
+    known = covariate_of(covariate, column, field, crs)
+    cone = Cone(cone_area, cone_angle)
+    opened = opening(field, layers_of(layers), cone, known.values.tolist())
     with create(survey, opened):
         pass
     machine = Machine(Cone(cone_area, cone_angle))
@@ -79,25 +90,46 @@ def run(
     samples: Samples = 30,
     seed: Seed = 0,
     estimator: EstimatorName = DEFAULT_ESTIMATOR,
+    strategy_setting: StrategySettings = None,
+    estimator_setting: EstimatorSettings = None,
     refit_every: Annotated[int, typer.Option(help="Samples between refits.", min=1)] = 1,
     world: Annotated[
         str, typer.Option(help="Soil of the simulated robot: simulated or riseholme.")
     ] = "simulated",
-    metres: Annotated[float, typer.Option(help="Stop after this way in m.")] = math.inf,
-    minutes: Annotated[float, typer.Option(help="Stop after this time in min.")] = math.inf,
-    kv: Annotated[float, typer.Option(help="Stop at this mean kriging variance in kPa2.")] = 0.0,
+    metres: enough.Metres = math.inf,
+    minutes: enough.Minutes = math.inf,
+    money: enough.Money = math.inf,
+    rate_hour: enough.RateHour = 0.0,
+    rate_km: enough.RateKm = 0.0,
+    rate_sample: enough.RateSample = 0.0,
+    call_out: enough.CallOut = 0.0,
+    currency: enough.Currency = "EUR",
+    target_rmse: enough.Target = None,
+    probability: enough.Probability = None,
+    threshold_kpa: enough.Threshold = None,
+    decided: enough.Decided = None,
+    confidence: enough.Confidence = None,
+    min_gain: enough.MinGain = None,
+    kv: enough.MeanKv = 0.0,
+    drift: Drift = "auto",
     as_json: AsJson = False,
 ) -> None:
     """Survey: drive a robot from stop to stop until there is enough. Ctrl-C is safe."""
     if robot != "sim":
         raise ParameterError(f"there is no robot {robot!r}", where="--robot", remedy="sim")
+    goals = enough.goals(target_rmse, probability, threshold_kpa, decided, confidence, min_gain)
+    rule = rule_named(drift)
     with open_journal(survey) as journal:
         state = fold(journal.events())
         settings = configured(
             state.field, strategy, samples, seed,
             estimator=estimator, refit_every=refit_every, world=world,
-            metres=metres, minutes=minutes, mean_kv=kv,
+            metres=metres, minutes=minutes, mean_kv=kv, money=money, goals=goals,
+            rates=Rates(rate_hour, rate_km, rate_sample, call_out, currency),
+            strategy_settings=values(strategy_setting),
+            estimator_settings=numbers(estimator_setting),
         )  # fmt: skip
+        settings = settings.model_copy(update={"drift": rule})
         state = _work(journal, state, (settings,))
     tell(summary(state), as_json)
 

@@ -61,6 +61,7 @@ def robot_of(survey: Survey, truth: Truth) -> SimulatedRobot:
         seed=survey.configured.seed,
         position=survey.position,
         stop=survey.step,
+        pushed=survey.pushed,
         battery_s=machine.battery_s - (survey.seconds - survey.charged_at),
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, isfinite, pi, sin
+from math import cos, isfinite, pi, sin
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from subsoil.penetrometer import Insertion
 from subsoil.robot import Arrival, Push, Refusal
 from subsoil.simulation.probe import Machine, push
 from subsoil.simulation.truth import Truth
+from subsoil.travel import travel_of
 
 ROBOT = 1
 """Key of the robot's random streams under a survey's seed."""
@@ -25,10 +26,11 @@ class SimulatedRobot:
     the robot is in its arguments: a robot made with another's ``position``, ``stops`` and
     ``battery_s`` goes on exactly as that one would.
 
-    It drives in straight lines and arrives exactly where it was sent; what it reports is off by
-    the error of its receiver, the same for arrival and holes of a stop. A push reads the cell
-    nearest to its hole. A push that the force limit ends is tried again beside the first hole;
-    the deepest counts. A stop is over with its :meth:`probe`.
+    It drives the shortest way (:class:`subsoil.travel.Travel`) and arrives exactly where it was
+    sent; what it reports is off by the error of its receiver, the same for arrival and holes of a
+    stop. A push reads the cell nearest to its hole. A push that the force limit ends is tried
+    again beside the first hole; the deepest counts. Probing again before driving elsewhere is a
+    further push at the stop, on a wider circle of holes and with a deviation of its own.
 
     Parameters
     ----------
@@ -41,7 +43,9 @@ class SimulatedRobot:
     position
         Easting and northing in m where it really stands: where it was last sent.
     stop
-        Number of stops already made.
+        Number of stops already made, one where pushes are still due included.
+    pushed
+        Number of pushes made where it stands, if more are to follow.
     battery_s
         Time in s the battery still lasts; by default it is full.
 
@@ -65,16 +69,17 @@ class SimulatedRobot:
         seed: int,
         position: Place,
         stop: int = 0,
+        pushed: int = 0,
         battery_s: float | None = None,
     ) -> None:
         self.truth, self.machine, self.seed = truth, machine, seed
         self.position: Place = (float(position[0]), float(position[1]))
-        self.stops = stop
+        self.stops, self.pushed = stop, pushed
         self.battery_s = machine.battery_s if battery_s is None else battery_s
         self._resting = False
 
     def go_to(self, at: Place) -> Arrival:
-        """Drive to a place given as easting and northing in m.
+        """Drive to a place given as easting and northing in m; where it stands, stay at the stop.
 
         Raises
         ------
@@ -86,15 +91,18 @@ class SimulatedRobot:
         """
         if not (isfinite(at[0]) and isfinite(at[1])):
             raise RobotError(f"cannot drive to ({at[0]:g}, {at[1]:g})", remedy="give metres")
-        metres = hypot(at[0] - self.position[0], at[1] - self.position[1])
+        metres = float(travel_of(self.truth.field).between(self.position, at)[0, 0])
         seconds = metres / self.machine.speed_mps
-        self._check_ready(seconds + self.machine.longest_stop_s)
+        pushed = self.pushed if tuple(at) == self.position else 0
+        self._check_ready(seconds + self._longest_s(pushed))
         self.battery_s -= seconds
-        self.position = (float(at[0]), float(at[1]))
-        return Arrival(self._reported(self.position, self._stream()), metres, seconds)
+        self.position, self.pushed = (float(at[0]), float(at[1])), pushed
+        return Arrival(self._reported(self._stream()), metres, seconds)
 
     def probe(self) -> Push | Refusal:
         """Push the rod in here, and again beside the hole while the force limit ends the push.
+
+        Where it was pushed in before, this is a further push.
 
         Raises
         ------
@@ -103,12 +111,13 @@ class SimulatedRobot:
         RobotError
             If the robot was stopped.
         """
-        self._check_ready(self.machine.longest_stop_s)
+        self._check_ready(self._longest_s(self.pushed))
         rng = self._stream()
-        east, north = self._reported(self.position, rng)
-        pushes = self._pushes(rng)
-        seconds = self.machine.stop_s + (len(pushes) - 1) * self.machine.retry_s
-        self.stops += 1
+        east, north = self._reported(rng)
+        pushes = self._pushes(self._stream(self.pushed) if self.pushed else rng)
+        seconds = self._first_s(self.pushed) + (len(pushes) - 1) * self.machine.retry_s
+        self.stops += not self.pushed
+        self.pushed += 1
         self.battery_s -= seconds
         (across, along), best = max(pushes, key=lambda each: each[1].depth_m[-1])
         if best.depth_m[-1] < self.machine.usable_m:
@@ -121,32 +130,45 @@ class SimulatedRobot:
         self._resting = True
 
     def _pushes(self, rng: np.random.Generator) -> list[tuple[Place, Insertion]]:
-        """Offset of the hole on the gantry and what the push there gave, until one goes through."""
+        """Offset of each hole and what the push there gave, until one goes through."""
         pushes: list[tuple[Place, Insertion]] = []
         for k in range(self.machine.tries):
-            offset = self._gantry(k)
+            offset = self._gantry(self.pushed * self.machine.tries + k)
             hole = (self.position[0] + offset[0], self.position[1] + offset[1])
-            kpa = self.truth.reading(self.truth.field.nearest_cell(hole))
+            kpa = self.truth.reading(self.truth.field.nearest_cell(hole), self.pushed)
             pushes.append((offset, push(self.machine, self.truth.layers, kpa, rng)))
             if pushes[-1][1].ending == "stroke":
                 break
         return pushes
 
-    def _gantry(self, push_number: int) -> Place:
-        """Offset in m: none at first, then spread around the first hole, starting to the east."""
-        if push_number == 0:
+    def _gantry(self, hole: int) -> Place:
+        """Offset in m: none at first, then on circles around the first hole, from the east."""
+        if hole == 0:
             return (0.0, 0.0)
-        angle = 2.0 * pi * (push_number - 1) / (self.machine.tries - 1)
-        return (self.machine.gantry_m * cos(angle), self.machine.gantry_m * sin(angle))
+        k, circle, holes = hole - 1, 1, max(self.machine.tries - 1, 1)
+        while k >= holes:
+            k, circle, holes = k - holes, circle + 1, 6 * (circle + 1)
+        radius, angle = circle * self.machine.gantry_m, 2.0 * pi * k / holes
+        return (radius * cos(angle), radius * sin(angle))
 
-    def _stream(self) -> np.random.Generator:
+    def _first_s(self, pushed: int) -> float:
+        """Time in s of the next push where so many were made: the stop's, if it is the first."""
+        return self.machine.retry_s if pushed else self.machine.stop_s
+
+    def _longest_s(self, pushed: int) -> float:
+        """Time in s of the next push if it takes all its tries."""
+        return self._first_s(pushed) + (self.machine.tries - 1) * self.machine.retry_s
+
+    def _stream(self, *push: int) -> np.random.Generator:
+        """Random generator of the stop it is at, or of a further push there."""
+        stop = self.stops - (self.pushed > 0)
         return np.random.default_rng(
-            np.random.SeedSequence(self.seed, spawn_key=(ROBOT, self.stops))
+            np.random.SeedSequence(self.seed, spawn_key=(ROBOT, stop, *push))
         )
 
-    def _reported(self, at: Place, rng: np.random.Generator) -> Place:
+    def _reported(self, rng: np.random.Generator) -> Place:
         error = self.machine.fix_sd_m * rng.standard_normal(2)
-        return (at[0] + float(error[0]), at[1] + float(error[1]))
+        return (self.position[0] + float(error[0]), self.position[1] + float(error[1]))
 
     def _check_ready(self, seconds: float) -> None:
         if self._resting:

@@ -62,7 +62,7 @@ def w_shape(view: View, *, margin: float = 0.03, amplitude: float = 0.7) -> Plan
         return carry_on(view)
     points = _w_inside(view.field, margin, amplitude)
     chosen = np.linspace(0, len(points) - 1, view.remaining).round().astype(np.int64)
-    return _toured(view, _nearest_free(view, points[chosen]), f"{view.remaining} stops along a W")
+    return _toured(view, nearest_free(view, points[chosen]), f"{view.remaining} stops along a W")
 
 
 def area_split(view: View, *, rounds: int = 60) -> Plan:
@@ -87,7 +87,7 @@ def area_split(view: View, *, rounds: int = 60) -> Plan:
     if not _due(view):
         return carry_on(view)
     _, centres = areas(view.field, view.remaining, rounds, view.rng)
-    cells = _nearest_free(view, centres)
+    cells = nearest_free(view, centres)
     return _toured(view, cells, f"centres of {view.remaining} areas of about equal size")
 
 
@@ -131,10 +131,14 @@ def areas(field: Field, k: int, rounds: int, rng: np.random.Generator) -> tuple[
 
 def carry_on(view: View) -> Plan:
     """Keep to the plan; the nearest free cell stands in for a stop that was refused."""
+    if not (view.plan or view.free.any()):
+        return Plan((), "every cell was tried")
     if view.remaining <= len(view.plan) or not view.refused:
-        return Plan(view.plan, "as planned", view.pushes)
+        return Plan(
+            view.plan, "as planned" if view.plan else "every planned stop is made", view.pushes
+        )
     refused = view.refused[-1]
-    (stand_in,) = _nearest_free(view, view.field.cells[[refused]]).tolist()
+    (stand_in,) = nearest_free(view, view.field.cells[[refused]]).tolist()
     cells = reroute(view.travel, view.field.cells, view.position, view.plan, [stand_in])
     asked = dict(zip(view.plan, view.pushes, strict=False))
     pushes = tuple(asked.get(cell, 1) for cell in cells) if asked else ()
@@ -151,7 +155,7 @@ def _toured(view: View, cells: Integers, reason: str) -> Plan:
     return Plan(tuple(cells[list(order)].tolist()), reason)
 
 
-def _nearest_free(view: View, points: Floats) -> Integers:
+def nearest_free(view: View, points: Floats) -> Integers:
     """One free cell a point: the nearest that no point before it took, of several the first."""
     free = view.free
     cells = np.empty(len(points), dtype=np.int64)

@@ -12,15 +12,14 @@ which before the first samples is the prior.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import inf
 
 import numpy as np
 
 from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
-from subsoil.routing import length
-from subsoil.strategies.coverage import area_split, carry_on
+from subsoil.routing import length, reroute
+from subsoil.strategies.coverage import areas, carry_on, nearest_free
 from subsoil.strategies.exchange import Exchange, Price, Terms
 from subsoil.strategies.replicates import replicated
 from subsoil.strategies.value import local_sills
@@ -28,8 +27,11 @@ from subsoil.strategies.view import Plan, View
 from subsoil.variogram.nested import Nested
 from subsoil.variogram.pooled import Pooled
 
-_SHORTER = 0.87
-"""Way of a plan as a share of the tour through as many areas' centres."""
+_ELASTICITY = 0.14
+"""Percent of the mean variance that a percent of the way is worth, where its length is given: about
+what makes it 0.87 of an area split's. A search for a given length starts from this price."""
+_ROUNDS = 20
+"""Rounds of splitting the field for a start."""
 _STOPS_ANNEALED = 60
 """Stops to anneal in all: those of few stops are annealed from several starts, the best counts."""
 _WARM_SWEEPS = 2
@@ -39,25 +41,26 @@ _WARM_SWEEPS = 2
 def joint(
     view: View,
     *,
-    elasticity: float = 0.14,
+    way: float = 0.87,
     price_per_m: float = 0.0,
     sweeps: int = 40,
     most_pushes: int = 1,
 ) -> Plan:
     """Stops and way chosen together before leaving.
 
-    Where there is a limit in metres or minutes, the plan keeps to it: as many stops, and as long a
-    way, as make the best map in the time.
+    The way is given, as a share of the tour through as many areas of equal size, and the stops are
+    those that make the best map along it; or a metre has a price. Where there is a limit in metres
+    or minutes, the plan keeps to it: in minutes, with as many stops as there is time for.
 
     Parameters
     ----------
     view
         The survey so far.
-    elasticity
-        Percent by which the mean variance may rise for a way that is one percent shorter.
+    way
+        Length of the way as a share of an area split's.
     price_per_m
-        Mean variance, in sills, that a metre of way is worth; in place of the elasticity unless
-        it is zero.
+        Mean variance, in sills, that a metre of way is worth; in place of the share, unless it
+        is zero.
     sweeps
         Sweeps of annealing over the stops.
     most_pushes
@@ -66,21 +69,25 @@ def joint(
     Raises
     ------
     ParameterError
-        If a price is negative, or there is no sweep or no push.
+        If the share is not positive, the price is negative, or there is no sweep or no push.
     """
-    price = _price(elasticity, price_per_m, sweeps)
+    price = _price(way, price_per_m, sweeps)
     if not (view.fresh and view.remaining > 0):
         return carry_on(view)
     clock, designs = Clock(view), designs_for(view)
-    stops = _stops_in_time(view, clock)
+    stops = _stops_in_time(view, clock, way)
     if not stops:
         return Plan((), "no time left for another stop")
-    budget, tries = clock.metres_for(stops), []
-    for _ in range(max(1, _STOPS_ANNEALED // stops)):
-        search = _exchange(view, designs, _split(view, stops), price)
+    starts = [
+        _exchange(view, designs, _split(view, stops), price)
+        for _ in range(max(1, _STOPS_ANNEALED // stops))
+    ]
+    budget = clock.metres_for(stops)
+    if not (price_per_m or clock.counts_minutes):
+        budget = min(budget, way * min(start.metres for start in starts))
+    for search in starts:
         search.anneal(sweeps, budget, view.rng)
-        tries.append(search)
-    best = min(tries, key=lambda s: (clock.late(s), s.variance if budget < inf else s.cost))
+    best = min(starts, key=lambda s: (clock.late(s), s.variance if budget < inf else s.cost))
     if clock.counts_minutes:
         _suit_to_time(best, clock, view.remaining)
         best.descend(sweeps, Terms(budget_m=clock.metres_for(len(best.route))), view.rng)
@@ -90,7 +97,7 @@ def joint(
 def joint_adaptive(
     view: View,
     *,
-    elasticity: float = 0.14,
+    way: float = 0.87,
     price_per_m: float = 0.0,
     sweeps: int = 40,
     first_change: int = 6,
@@ -108,7 +115,7 @@ def joint_adaptive(
     ----------
     view
         The survey so far.
-    elasticity, price_per_m, sweeps
+    way, price_per_m, sweeps
         As in :func:`joint`.
     first_change
         Samples before the plan is changed for the first time: the first ones are a start design,
@@ -127,19 +134,21 @@ def joint_adaptive(
         As :func:`joint`, and if there are no such weights.
     """
     _check_weights(weights)
-    if view.fresh or not view.plan:
+    if view.fresh or not (view.plan or view.visited):
         return joint(
             view,
-            elasticity=elasticity,
+            way=way,
             price_per_m=price_per_m,
             sweeps=sweeps,
             most_pushes=most_pushes,
         )
-    price, clock = _price(elasticity, price_per_m, sweeps), Clock(view)
+    price, clock = _price(way, price_per_m, sweeps), Clock(view)
     if len(view.visited) < first_change and not clock.is_ticking:
         return carry_on(view)
     search = _exchange(view, designs_for(view, weights), view.plan, price)
     _suit_to_time(search, clock, view.remaining)
+    if not search.route:
+        return Plan((), "the limits leave no room for another stop")
     budget = clock.metres_for(len(search.route)) if clock.is_ticking else search.metres
     search.descend(_WARM_SWEEPS, Terms(reach_m=reach_m, budget_m=budget), view.rng)
     plan = Plan(search.route, _reason(search, "moved to where they are worth most"))
@@ -213,12 +222,12 @@ def _exchange(view: View, designs: Designs, route: tuple[int, ...], price: Price
     )
 
 
-def _stops_in_time(view: View, clock: Clock) -> int:
-    """Most stops there is time for, their way taken for somewhat shorter than an area split's."""
+def _stops_in_time(view: View, clock: Clock, way: float) -> int:
+    """Most stops there is time for, with a way of some share of an area split's."""
 
     def fits(stops: int) -> bool:
-        way = length(view.travel, view.position, view.field.cells[list(_split(view, stops))])
-        return _SHORTER * way <= clock.metres_for(stops)
+        split = view.field.cells[list(_split(view, stops))]
+        return way * length(view.travel, view.position, split) <= clock.metres_for(stops)
 
     fewest, most = 0, clock.most_stops(view.remaining)
     if not clock.counts_minutes or not most or fits(most):
@@ -230,8 +239,13 @@ def _stops_in_time(view: View, clock: Clock) -> int:
 
 
 def _split(view: View, stops: int) -> tuple[int, ...]:
-    """Route through the centres of some areas of equal size."""
-    return area_split(replace(view, budget=len(view.visited) + stops)).cells
+    """Route through the centres of some areas of equal size.
+
+    It is put together stop by stop: unlike a tour that is searched for some time, the same always.
+    """
+    _, centres = areas(view.field, stops, _ROUNDS, view.rng)
+    cells = nearest_free(view, centres).tolist()
+    return reroute(view.travel, view.field.cells, view.position, (), cells)
 
 
 def _suit_to_time(search: Exchange, clock: Clock, most: int) -> None:
@@ -245,13 +259,14 @@ def _suit_to_time(search: Exchange, clock: Clock, most: int) -> None:
             break
 
 
-def _price(elasticity: float, price_per_m: float, sweeps: int) -> Price:
-    for name, value in (("elasticity", elasticity), ("price_per_m", price_per_m)):
-        if not 0 <= value < inf:
-            raise ParameterError(f"cannot be {value:g}", where=f"strategy joint, {name}")
+def _price(way: float, price_per_m: float, sweeps: int) -> Price:
+    if not 0 < way < inf:
+        raise ParameterError(f"a way of {way:g} is none", where="strategy joint, way")
+    if not 0 <= price_per_m < inf:
+        raise ParameterError(f"cannot be {price_per_m:g}", where="strategy joint, price_per_m")
     if sweeps < 1:
         raise ParameterError(f"{sweeps} sweeps find nothing", where="strategy joint, sweeps")
-    return Price(per_m=price_per_m) if price_per_m else Price(elasticity=elasticity)
+    return Price(per_m=price_per_m) if price_per_m else Price(elasticity=_ELASTICITY)
 
 
 def _check_weights(weights: str) -> None:

@@ -4,6 +4,14 @@ A push beside the last one costs no drive, and halves, or thirds, the noise of i
 nothing of the soil further away, as another stop would. What either brings is the fall of the mean
 kriging variance (:mod:`subsoil.kriging.designs`), exact before it is made: a repeat is one more
 reading in the same cell.
+
+Off by default, since it rarely pays. With the correlogram known, two pushes at every stop in place
+of more stops in 20-45 minutes change the RMSE of the test bed by +2 to +10 % at a nugget of 10 % of
+the sill, by -1 to +2 % at 40 %, by 0 to -2 % at 70 % and by -2 to -3 % at 85 %. In surveys of 35
+minutes with the pooled correlogram, trading by the rule below chose no push on 14 ``signal`` fields
+of 10-40 % nugget, none on 3 ``surrogate`` ones, and few at 70 %: few samples seldom tell that a
+nugget is large. Two pushes everywhere, whatever the samples say, made 16 fields of 70 % better
+(-7.6 +- 3.2 %) and 16 of 10-40 % worse (+3.7 +- 2.2 %).
 """
 
 from __future__ import annotations

@@ -9,6 +9,10 @@ correlation: residuals are B z over the diagonal of B (Dubrule 1983, Math. Geol.
 has the covariance B. So what chance alone does to any statistic of theirs can be drawn exactly, for
 the correlogram that is held: a Monte Carlo test (Barnard 1963, J. R. Stat. Soc. B 25, 294; Besag &
 Clifford 1989, Biometrika 76, 633).
+
+On 150 simulated soils of a constant sill, with pooled correlograms, 2 % were rejected at 15 samples
+and 1 % at 40; with an SD that doubles in one half, 57 % and 99 %. On 24 ``signal`` fields of the
+test bed surveyed with 30 samples the weights changed one plan, for the worse (+1.8 % RMSE).
 """
 
 from __future__ import annotations

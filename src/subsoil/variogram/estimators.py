@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
 from math import inf
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +27,11 @@ from subsoil.variogram.fitting import (
     with_floor,
 )
 from subsoil.variogram.models import Bounded, BoundedLinear, Exponential, Matern32, Spherical
-from subsoil.variogram.pooled import Pooled
+from subsoil.variogram.pooled import EXTENT_M, Pooled
+from subsoil.variogram.reml import Reml
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 Floats = NDArray[np.float64]
 
@@ -34,6 +40,7 @@ Estimator = Callable[[Floats, Floats], tuple[Fit, ...]]
 not measured, to one :class:`~subsoil.variogram.fitting.Fit` a layer. It answers for any number of
 samples, none included, and says where the answer is a prior."""
 
+NO_SETTINGS: Mapping[str, float] = MappingProxyType({})
 FEWEST_SAMPLES = 4
 """Samples of a layer below which it gets a prior."""
 PRIOR_NUGGET = 0.1
@@ -169,23 +176,40 @@ paper_10 = LeastSquares(
 """The estimator of the paper's strategies in comparisons: the linear model with a sill on 10 m
 bins up to 110 m, weighted by pairs, the best of 25 ranges, and a nugget of at least 10 %."""
 
-ESTIMATORS: dict[str, Estimator] = {
+ESTIMATORS: dict[str, LeastSquares | Pooled | Reml] = {
     "paper-10": paper_10,
     "spherical": LeastSquares(Spherical, nugget_floor=0.1),
     "exponential": LeastSquares(Exponential, nugget_floor=0.1),
     "matern-3/2": LeastSquares(Matern32, nugget_floor=0.1),
     "pmc": Pooled(),
+    "reml": Reml(),
 }
 """Estimators by the name the command line and the journal use."""
 
 
-def estimator_named(name: str) -> Estimator:
-    """Estimator of a name.
+def estimator_named(
+    name: str, extent_m: float = EXTENT_M, settings: Mapping[str, float] = NO_SETTINGS
+) -> Estimator:
+    """Estimator of a name, for a field of some size, with some parameters set.
+
+    Parameters
+    ----------
+    name
+        One of :data:`ESTIMATORS`.
+    extent_m
+        Diagonal of the field in m, which a pooled correlogram takes its ranges in proportion to.
+    settings
+        Parameters that differ from what they are otherwise.
 
     Raises
     ------
     ParameterError
-        If there is none of that name.
+        If there is none of that name, it has no such parameter, or the parameter cannot be that.
+
+    Examples
+    --------
+    >>> estimator_named("pmc", 444.0).median_range, ESTIMATORS["pmc"].median_range
+    (90.0, 45.0)
     """
     if name not in ESTIMATORS:
         raise ParameterError(
@@ -193,4 +217,28 @@ def estimator_named(name: str) -> Estimator:
             where="estimator",
             remedy=f"one of {', '.join(ESTIMATORS)}",
         )
-    return ESTIMATORS[name]
+    found = ESTIMATORS[name]
+    estimator = found.scaled_to(extent_m) if isinstance(found, Pooled) else found
+    return replace(estimator, **_checked(name, estimator, settings)) if settings else estimator
+
+
+def _checked(
+    name: str, estimator: DataclassInstance, settings: Mapping[str, float]
+) -> dict[str, Any]:
+    """Settings, whole numbers made whole, of an estimator that has parameters of these names."""
+    numbers = {
+        field.name: getattr(estimator, field.name)
+        for field in fields(estimator)
+        if isinstance(getattr(estimator, field.name), int | float)
+    }
+    for key in settings:
+        if key not in numbers:
+            raise ParameterError(
+                f"estimator {name} has no parameter {key!r} that is a number",
+                where="estimator",
+                remedy=f"it has {', '.join(numbers) or 'none'}",
+            )
+    return {
+        key: int(value) if isinstance(numbers[key], int) else value
+        for key, value in settings.items()
+    }

@@ -35,7 +35,8 @@ Integers = NDArray[np.int64]
 
 FEWEST_SAMPLES = 3
 """Samples of a layer below which it says nothing of the correlogram."""
-_EXTENT_M = 222.0
+EXTENT_M = 222.0
+"""Diagonal in m of the field that the ranges are those of as they stand, one of 2.3 ha."""
 _TRACE = 1e-3
 """Share of the whole below which a structure is left out of the mean."""
 _SHRINKING = 0.9
@@ -185,7 +186,7 @@ class Pooled:
 
         As they stand they are those of a field of 2.3 ha, 222 m from corner to corner.
         """
-        scale = extent_m / _EXTENT_M
+        scale = extent_m / EXTENT_M
         return replace(
             self,
             shortest_range=self.shortest_range * scale,
