@@ -111,7 +111,7 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
     mean, square = np.zeros(len(soil_map.layers)), np.zeros(len(soil_map.layers))
     cells = soil_map.cells[spaced(len(soil_map.cells))]
     for stack in soil_map.stacks:
-        p = error_covariance(stack.estimate.kriging, cells)
+        p = stack.unit[:, None, None] * error_covariance(stack.estimate.kriging, cells)
         mean[list(stack.layers)] = np.diagonal(p, axis1=1, axis2=2).mean(axis=1)
         square[list(stack.layers)] = np.mean(p * p, axis=(1, 2))
     weights, likeness = np.asarray(soil_map.layers.weights), _likeness(soil_map.kpa) ** 2

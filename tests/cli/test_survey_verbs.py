@@ -74,14 +74,21 @@ def test_plan_shows_the_stops_that_run_then_makes(cli: Cli, survey: Path) -> Non
 
 
 def test_a_survey_stops_at_its_limits(cli: Cli, survey: Path) -> None:
-    result = cli("run", survey, "--samples", 40, "--minutes", 6, "--json").json
+    call = ("run", survey, "--strategy", "area-split", "--samples", 40, "--json")
+    result = cli(*call, "--minutes", 6).json
     assert "the next stop would take it beyond 6" in result["finished"]
     assert result["minutes"] <= 6
     limit = result["metres"] + 60
-    more = cli("run", survey, "--samples", 40, "--metres", limit, "--json").json
+    more = cli(*call, "--metres", limit).json
     assert more["samples"] > result["samples"]
     assert more["metres"] <= limit
     assert "metres driven" in more["finished"]
+
+
+def test_a_joint_survey_fills_its_minutes_and_keeps_to_them(cli: Cli, survey: Path) -> None:
+    result = cli("run", survey, "--samples", 40, "--minutes", 12, "--json").json
+    assert 10 < result["minutes"] <= 12
+    assert result["finished"] == "the limits leave no room for another stop"
 
 
 def test_resume_of_a_finished_survey_changes_nothing(cli: Cli, survey: Path) -> None:

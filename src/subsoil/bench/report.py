@@ -28,7 +28,7 @@ from subsoil.survey import estimator_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_EXAMPLE = ("adaptive-monte-carlo", "adaptive-greedy", "area-split")
+_EXAMPLE = ("joint-adaptive", "adaptive-monte-carlo", "adaptive-greedy", "area-split")
 """Strategies of which one survey is drawn: the first of them that there is."""
 _MOST_HAND_FIELDS = 20
 """Fields that are surveyed by hand at most."""

@@ -26,10 +26,11 @@ from subsoil.bench import (
     write_results,
 )
 from subsoil.bench.running import Outcome
-from subsoil.bench.task import PAPER_STRATEGIES, PROTOCOLS, entrants_of
+from subsoil.bench.task import PROTOCOLS, entrants_of
 from subsoil.bench.world import land_of
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell
 from subsoil.errors import ParameterError, SubsoilError
+from subsoil.strategies import STRATEGIES
 
 app = typer.Typer(
     help="Compare strategies on the same fields, and report beside the paper's numbers.",
@@ -50,7 +51,7 @@ def run(
     seed: Seed = 0,
     strategies: Annotated[
         str, typer.Option(help="Strategies by name or module:attribute, comma-separated.")
-    ] = ",".join(PAPER_STRATEGIES),
+    ] = ",".join(STRATEGIES),
     samples: Annotated[
         str, typer.Option(help="Numbers of samples to compare at, comma-separated.")
     ] = "15,20,30,50",

@@ -42,6 +42,7 @@ from subsoil.variogram.models import (
 )
 from subsoil.variogram.nested import Nested, Structure, name_of
 from subsoil.variogram.pooled import Pooled, Posterior
+from subsoil.variogram.reml import Reml
 
 __all__ = [
     "ESTIMATORS",
@@ -63,6 +64,7 @@ __all__ = [
     "Posterior",
     "Power",
     "PureNugget",
+    "Reml",
     "Spherical",
     "Structure",
     "Variogram",
