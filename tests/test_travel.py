@@ -24,9 +24,10 @@ from subsoil.layout import create, draw
 from subsoil.outline import Area
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.plots.album import way as drawn_way
+from subsoil.sequel import view
 from subsoil.simulation import Machine, SimulatedRobot, simulate
 from subsoil.soilmap import SoilMap
-from subsoil.survey import apply, opened, opening, view
+from subsoil.survey import apply, opened, opening
 from subsoil.travel import Travel, travel_of
 from subsoil.variogram import Spherical
 

@@ -13,7 +13,8 @@ from typing import Protocol
 from subsoil.errors import CorruptJournalError
 from subsoil.events import Event, Refused, Report, Sampled
 from subsoil.robot import Arrival, Push, Refusal, Robot
-from subsoil.survey import Survey, apply, next_event
+from subsoil.sequel import next_event
+from subsoil.survey import Survey, apply
 
 
 @dataclass(frozen=True)

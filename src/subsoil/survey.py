@@ -1,9 +1,8 @@
 """A survey is a fold: its state is ``reduce(apply, events)``.
 
-:func:`apply` takes one event into account; :func:`next_event` says what follows from a state
-without anything from outside: variograms are refitted on schedule, the strategy plans after every
-report, and the survey finishes when a limit or a goal is reached. Both are pure, so a survey that
-was cut short goes on exactly as one that was not.
+:func:`apply` takes one event into account; :func:`subsoil.sequel.next_event` says what follows from
+a state without anything from outside. Both are pure, so a survey that was cut short goes on exactly
+as one that was not.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.errors import CorruptJournalError, JournalError, ParameterError
+from subsoil.errors import CorruptJournalError, JournalError
 from subsoil.events import (
     BatterySwapped,
     Configured,
@@ -28,25 +27,20 @@ from subsoil.events import (
     Planned,
     Refused,
     Sampled,
-    model_record,
 )
 from subsoil.field import Field
-from subsoil.kriging.choice import learn
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Cone, Insertion
 from subsoil.routing import length
 from subsoil.soilmap import SoilMap
 from subsoil.stopping import Rates, Spent, Standing
-from subsoil.strategies import Plan, View, strategy_named
 from subsoil.travel import travel_of
 from subsoil.variogram import Estimator, estimator_named
 
-_STRATEGY_STREAM = 2
-_NEVER = -1
+NEVER = -1
+"""Reports that a plan takes into account where there is none."""
 _NOTHING_MEASURED = Standing()
-_FEW = 12
-"""Samples up to which variograms are estimated anew after each, whatever the schedule."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +106,7 @@ class Survey:
     metres: float = 0.0
     seconds: float = 0.0
     charged_at: float = 0.0
-    planned_at: int = _NEVER
+    planned_at: int = NEVER
     fitted_at: int = 0
     standing: Standing = _NOTHING_MEASURED
     finished: str = ""
@@ -263,46 +257,6 @@ def apply(survey: Survey, event: Event) -> Survey:
             raise CorruptJournalError("the survey is set up twice", where=survey.name)
 
 
-def next_event(survey: Survey) -> Event | None:
-    """What follows from the state alone; ``None`` when the next thing must come from an agent."""
-    if survey.finished or survey.due:
-        return None
-    settings = survey.configured
-    taken = len(survey.visited)
-    if taken and _refit_due(survey):
-        return _fit(survey)
-    if reason := settings.limits.reached(survey.spent):
-        return Finished(reason=reason)
-    if survey.planned_at != survey.step:
-        return _plan(survey)
-    if reason := _enough(survey):
-        return Finished(reason=reason)
-    return None
-
-
-def view(survey: Survey) -> View:
-    """The survey as its strategy sees it."""
-    settings = survey.configured
-    key = np.random.SeedSequence(settings.seed, spawn_key=(_STRATEGY_STREAM, survey.step))
-    return View(
-        field=survey.field,
-        soil_map=survey.soil_map,
-        position=survey.position,
-        plan=survey.plan,
-        visited=survey.visited,
-        refused=survey.refused,
-        budget=settings.samples,
-        fresh=survey.planned_at == _NEVER,
-        rng=np.random.default_rng(key),
-        metres=survey.metres,
-        pace=settings.pace,
-        metres_left=settings.metres - survey.metres,
-        minutes_left=settings.minutes - survey.minutes,
-        pushes=survey.pushes,
-        repeats=survey.repeats,
-    )
-
-
 def estimator_of(survey: Survey) -> Estimator:
     """What estimates the survey's variograms."""
     settings = survey.configured
@@ -326,7 +280,7 @@ def _configure(survey: Survey, event: Configured) -> Survey:
         plan=(),
         pushes=(),
         due=0,
-        planned_at=_NEVER,
+        planned_at=NEVER,
         standing=_NOTHING_MEASURED,
         finished="",
     )
@@ -367,76 +321,6 @@ def _moved(survey: Survey, event: Sampled | Refused) -> Survey:
         seconds=survey.seconds + event.seconds,
         reports=survey.reports | {event.id},
     )
-
-
-def _refit_due(survey: Survey) -> bool:
-    """Whether variograms are due: often while samples are few, on schedule, and at the end."""
-    taken, settings = len(survey.visited), survey.configured
-    on_schedule = taken % settings.refit_every == 0
-    return taken != survey.fitted_at and (taken <= _FEW or on_schedule or taken >= settings.samples)
-
-
-def _fit(survey: Survey) -> Fitted:
-    soil_map, rule = survey.soil_map, survey.configured.drift
-    learnt = learn(soil_map.at, soil_map.kpa, soil_map.covariate, estimator_of(survey), rule)
-    return Fitted(
-        samples=len(survey.visited),
-        models=tuple(model_record(fit.variogram) for fit in learnt.fits),
-        why=tuple(fit.why for fit in learnt.fits),
-        drift=learnt.drift,
-    )
-
-
-def _plan(survey: Survey) -> Planned:
-    settings = survey.configured
-    plan = strategy_named(settings.strategy, settings.strategy_settings)(view(survey))
-    _check_plan(survey, plan)
-    return Planned(
-        step=survey.step,
-        cells=plan.cells,
-        reason=plan.reason,
-        mean_kv=survey.mean_kv,
-        measures=_measures(survey, plan),
-        pushes=plan.pushes,
-    )
-
-
-def _measures(survey: Survey, plan: Plan) -> tuple[float, ...]:
-    """What the goals measure; nothing can be said of a map of one sample."""
-    goals = survey.configured.goals
-    if len(survey.visited) < 2:
-        return (nan,) * len(goals)
-    return tuple(goal.measure(survey.soil_map, plan.cells) for goal in goals)
-
-
-def _enough(survey: Survey) -> str:
-    """Why to stop once the plan is made; empty to go on to its next stop."""
-    settings = survey.configured
-    if reason := survey.standing.reached(settings.goals):
-        return reason
-    if not survey.plan:
-        return survey.reason
-    return settings.limits.passed(survey.spent, survey.spent_after_next)
-
-
-def _check_plan(survey: Survey, plan: Plan) -> None:
-    where = f"strategy {survey.configured.strategy}"
-    gone = {*survey.visited, *survey.refused}
-    if plan.pushes and (len(plan.pushes) != len(plan.cells) or min(plan.pushes) < 1):
-        raise ParameterError(
-            f"it plans {plan.pushes} pushes at {len(plan.cells)} stops",
-            where=where,
-            remedy="plan one or more at each, or none for one each",
-        )
-    for k, cell in enumerate(plan.cells):
-        if not 0 <= cell < len(survey.field.cells):
-            raise ParameterError(f"it plans cell {cell}, which is not in the field", where=where)
-        if cell in gone or cell in plan.cells[:k]:
-            raise ParameterError(
-                f"it plans cell {cell}, which is visited, refused or planned already",
-                where=where,
-                remedy="plan free cells only, each once",
-            )
 
 
 def _area(wkt: str) -> Polygon | MultiPolygon:

@@ -9,7 +9,8 @@ from subsoil import layout
 from subsoil.errors import SubsoilError
 from subsoil.events import Event, Fitted, Opened, Planned, Sampled, same
 from subsoil.journal import read_events, reading
-from subsoil.survey import Survey, apply, next_event, opened
+from subsoil.sequel import next_event
+from subsoil.survey import Survey, apply, opened
 
 
 def verify(path: Path) -> tuple[str, ...]:

@@ -11,7 +11,8 @@ import pytest
 
 from subsoil.events import Fitted, Opened
 from subsoil.journal import read_events
-from subsoil.survey import fold, next_event
+from subsoil.sequel import next_event
+from subsoil.survey import fold
 
 Cli = Callable[..., Any]
 

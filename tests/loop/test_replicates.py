@@ -16,9 +16,10 @@ from subsoil.events import Configured, Event, Opened, Planned, Refused, Sampled,
 from subsoil.field import Field
 from subsoil.journal import create
 from subsoil.layers import Layers
+from subsoil.sequel import next_event
 from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate
 from subsoil.strategies import Plan, View
-from subsoil.survey import Survey, apply, fold, next_event, opened
+from subsoil.survey import Survey, apply, fold, opened
 from subsoil.verification import verify
 
 Configure = Callable[..., Configured]

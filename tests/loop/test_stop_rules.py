@@ -12,6 +12,7 @@ from subsoil.dispatch import LocalDispatch, drive
 from subsoil.errors import ParameterError
 from subsoil.events import Configured, Event, Opened, Planned, from_json, same, to_json
 from subsoil.report.outlook import in_words, out_of_reach, outlook
+from subsoil.sequel import next_event
 from subsoil.simulation import SimulatedRobot, Truth
 from subsoil.stopping import (
     DecidedShare,
@@ -23,7 +24,7 @@ from subsoil.stopping import (
     first_stop,
     forecast,
 )
-from subsoil.survey import Survey, apply, fold, next_event, opened
+from subsoil.survey import Survey, apply, fold, opened
 from subsoil.uncertainty import predicted_rmse
 
 Configure = Callable[..., Configured]

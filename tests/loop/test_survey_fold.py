@@ -25,9 +25,10 @@ from subsoil.events import (
     same,
     to_json,
 )
+from subsoil.sequel import next_event
 from subsoil.simulation import Machine, SimulatedRobot, Truth
 from subsoil.strategies import Plan, View
-from subsoil.survey import Survey, apply, fold, next_event, opened
+from subsoil.survey import Survey, apply, fold, opened
 
 Configure = Callable[..., Configured]
 RobotAt = Callable[[Survey, Truth], SimulatedRobot]

@@ -19,8 +19,9 @@ from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE, Insertion
 from subsoil.robot import Arrival, Push, Refusal
+from subsoil.sequel import view
 from subsoil.strategies import STRATEGIES, strategy_named
-from subsoil.survey import Survey, opened, opening, view
+from subsoil.survey import Survey, opened, opening
 
 OWN = "nearest_cell_strategy:nearest"
 EVERY = [*STRATEGIES, OWN]

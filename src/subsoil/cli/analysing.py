@@ -36,7 +36,7 @@ from subsoil.plots import readings_figures
 from subsoil.scores import LeaveOneOut, block_out, leave_one_out
 from subsoil.soilmap import SoilMap
 from subsoil.survey import fold
-from subsoil.variogram import Fit, estimator_named
+from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
 
 ReadingsFile = Annotated[
     Path, typer.Argument(help="Readings (robot YAML or CSV) or a survey file.", metavar="READINGS")
@@ -145,15 +145,19 @@ def variogram(
     field = read_field(boundary, crs=crs) if boundary else None
     material = _material(readings, layers, field, crs, cone_area, units)
     extent = field.extent_m if field else extent_of(material.at)
-    fits = estimator_named(estimator, extent, numbers(setting))(material.at, material.kpa)
+    chosen = estimator_named(estimator, extent, numbers(setting))
+    fits = chosen(material.at, material.kpa)
+    posterior = _posterior(chosen, material)
     if as_json:
         reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
-        tell({"samples": len(material.samples), "layers": reports}, as_json)
+        tell({"samples": len(material.samples), **posterior, "layers": reports}, as_json)
         return
+    if posterior:
+        tell(posterior, as_json)
     for name, fit in zip(material.layers.names, fits, strict=True):
         bins = fit.empirical
         tell_table(
-            f"{name}: {fit.variogram}\n{fit.why}",
+            f"{name}: {_in_words(fit)}\n{fit.why}",
             ("lag m", "pairs", "semivariance kPa2"),
             list(
                 zip(bins.lag.tolist(), bins.pairs.tolist(), bins.semivariance.tolist(), strict=True)
@@ -277,10 +281,33 @@ def _tell_scores(material: Material, fits: tuple[Fit, ...], scores: list[LeaveOn
     )
 
 
+def _in_words(fit: Fit) -> str:
+    model = fit.variogram
+    return (
+        f"{name_of(model)}, nugget {model.nugget:.4g} kPa2, sill {model.sill:.4g} kPa2, "
+        f"range {model.range:.0f} m"
+    )
+
+
+def _posterior(estimator: Estimator, material: Material) -> dict[str, object]:
+    """What a pooled estimator knows of the correlogram that all layers share; else nothing."""
+    if not isinstance(estimator, Pooled):
+        return {}
+    found = estimator.posterior(material.at, material.kpa)
+    quantiles = (0.05, 0.5, 0.95)
+    return {
+        "posterior range_m": [found.range_at(p) for p in quantiles],
+        "posterior nugget_share": [found.nugget_at(p) for p in quantiles],
+        "posterior quantiles": list(quantiles),
+        "posterior models": [f"{name} {p:.3f}" for name, p in found.kind_weights.items()],
+        "independent layers": found.layers,
+    }
+
+
 def _fit_dict(name: str, fit: Fit) -> dict[str, object]:
     return {
         "layer": name,
-        "model": type(fit.variogram).__name__,
+        "model": name_of(fit.variogram),
         "nugget_kpa2": fit.variogram.nugget,
         "range_m": fit.variogram.range,
         "psill_kpa2": fit.variogram.psill,

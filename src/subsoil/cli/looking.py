@@ -37,8 +37,9 @@ from subsoil.report.outlook import (
 )
 from subsoil.report.progress import progress_of
 from subsoil.routing import length
+from subsoil.sequel import next_event
 from subsoil.simulation import Machine
-from subsoil.survey import Survey, fold, next_event
+from subsoil.survey import Survey, fold
 from subsoil.travel import travel_of
 from subsoil.verification import verify as differences
 
