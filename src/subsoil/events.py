@@ -136,24 +136,16 @@ class BoundedRecord(_Record):
         return model_named(self.name)(self.nugget, self.range, self.psill)
 
 
-class StructureRecord(_Record):
-    """A term of a nested variogram."""
-
-    share: float
-    name: str
-    range: float
-
-
 class NestedRecord(_Record):
-    """A nested variogram by its sill and structures."""
+    """A nested variogram by its sill and structures: share of the sill, model, range in m."""
 
     sill: float
-    structures: tuple[StructureRecord, ...]
+    structures: tuple[tuple[float, str, float], ...]
 
     @property
     def variogram(self) -> Nested:
         """The model recorded."""
-        terms = (Structure(s.share, model_named(s.name), s.range) for s in self.structures)
+        terms = (Structure(share, model_named(n), reach) for share, n, reach in self.structures)
         return Nested(self.sill, tuple(terms))
 
 
@@ -163,10 +155,7 @@ Model = BoundedRecord | NestedRecord
 def model_record(variogram: Bounded | Nested) -> Model:
     """Record of a variogram."""
     if isinstance(variogram, Nested):
-        terms = (
-            StructureRecord(share=s.share, name=name_of_kind(s.kind), range=s.range)
-            for s in variogram.structures
-        )
+        terms = ((s.share, name_of_kind(s.kind), s.range) for s in variogram.structures)
         return NestedRecord(sill=variogram.sill, structures=tuple(terms))
     return BoundedRecord(
         name=name_of(variogram),
