@@ -16,8 +16,8 @@ FLOORS: dict[str, int] = {
     "variogram": 2, "kriging": 2, "soilmap": 2, "scores": 2, "uncertainty": 2,
     "travel": 3, "routing": 3, "stopping": 3, "strategies": 3,
     "robot": 4, "simulation": 4,
-    "events": 5, "survey": 5, "sequel": 5, "dispatch": 5, "geopackage": 5, "layout": 5, "journal": 5,
-    "verification": 5, "ownership": 5,
+    "events": 5, "survey": 5, "sequel": 5, "dispatch": 5, "geopackage": 5, "layout": 5,
+    "journal": 5, "verification": 5, "ownership": 5,
     "io": 6, "datasets": 6, "plots": 6, "report": 6, "bench": 6, "cli": 6, "__main__": 6,
 }  # fmt: skip
 EDGE_LIBRARIES = {

@@ -17,8 +17,9 @@ from subsoil.routing import length
 from subsoil.soilmap import SoilMap
 from subsoil.stopping import Pace
 from subsoil.strategies import Plan, View, strategy_named
-from subsoil.strategies.exchange import Exchange, Price, Terms
+from subsoil.strategies.exchange import Exchange
 from subsoil.strategies.joint_plans import designs_for, joint, joint_adaptive
+from subsoil.strategies.terms import Price, Terms
 from subsoil.travel import travel_of
 from subsoil.variogram import Exponential, Nested, Structure
 

@@ -20,8 +20,9 @@ from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
 from subsoil.routing import length, reroute
 from subsoil.strategies.coverage import areas, carry_on, nearest_free
-from subsoil.strategies.exchange import Exchange, Price, Terms
+from subsoil.strategies.exchange import Exchange
 from subsoil.strategies.replicates import replicated
+from subsoil.strategies.terms import Price, Terms
 from subsoil.strategies.value import local_sills
 from subsoil.strategies.view import Plan, View
 from subsoil.variogram.nested import Nested

@@ -41,7 +41,8 @@ from subsoil.variogram.models import (
     semivariance,
 )
 from subsoil.variogram.nested import Nested, Structure, name_of
-from subsoil.variogram.pooled import Pooled, Posterior
+from subsoil.variogram.pooled import Pooled
+from subsoil.variogram.posterior import Posterior
 from subsoil.variogram.reml import Reml
 
 __all__ = [

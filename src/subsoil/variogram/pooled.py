@@ -13,7 +13,6 @@ eigenvalues of their correlation say there are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
@@ -26,8 +25,9 @@ from subsoil.errors import ParameterError
 from subsoil.variogram.empirical import empirical_layers
 from subsoil.variogram.fitting import Fit
 from subsoil.variogram.likelihood import blocks, lags_of, restricted
-from subsoil.variogram.models import Bounded, Exponential, Gaussian, Matern32, name_of_kind
-from subsoil.variogram.nested import Nested, Structure, without_traces
+from subsoil.variogram.models import Bounded, Exponential, Gaussian, Matern32
+from subsoil.variogram.nested import Nested
+from subsoil.variogram.posterior import Posterior
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -37,73 +37,11 @@ FEWEST_SAMPLES = 3
 """Samples of a layer below which it says nothing of the correlogram."""
 EXTENT_M = 222.0
 """Diagonal in m of the field that the ranges are those of as they stand, one of 2.3 ha."""
-_TRACE = 1e-3
-"""Share of the whole below which a structure is left out of the mean."""
 _SHRINKING = 0.9
 """Weight of the layers' sample correlation against none."""
 _UNKNOWN_LAYERS = 2.0
 """Independent layers assumed while samples are too few for a correlation."""
 _FEWEST_FOR_CORRELATION = 4
-
-
-@dataclass(frozen=True)
-class Posterior:
-    """How likely the correlograms of a grid are: kinds of model by ranges by nugget shares.
-
-    Attributes
-    ----------
-    kinds
-        (a,) kinds of model.
-    ranges
-        (b,) practical ranges in m.
-    nugget_shares
-        (c,) shares of the nugget in the sill.
-    weights
-        (a, b, c) probabilities, summing to one.
-    layers
-        Number of independent layers that the readings counted for; 0 for the prior alone.
-    """
-
-    kinds: tuple[type[Bounded], ...]
-    ranges: tuple[float, ...]
-    nugget_shares: tuple[float, ...]
-    weights: Floats
-    layers: float
-
-    @cached_property
-    def structures(self) -> tuple[Structure, ...]:
-        """Mean correlogram, as structures of a nested model; traces are left out."""
-        shares = self.weights @ (1.0 - np.array(self.nugget_shares))
-        return without_traces(
-            (
-                Structure(float(share), kind, reach)
-                for kind, row in zip(self.kinds, shares, strict=True)
-                for reach, share in zip(self.ranges, row, strict=True)
-            ),
-            _TRACE,
-        )
-
-    @property
-    def kind_weights(self) -> dict[str, float]:
-        """Probability of each kind of model, by its name."""
-        by_kind = self.weights.sum(axis=(1, 2)).tolist()
-        return {name_of_kind(kind): p for kind, p in zip(self.kinds, by_kind, strict=True)}
-
-    def range_at(self, probability: float) -> float:
-        """Quantile of the practical range in m, to the grid."""
-        return _quantile(self.ranges, self.weights.sum(axis=(0, 2)), probability)
-
-    def nugget_at(self, probability: float) -> float:
-        """Quantile of the nugget's share, to the grid."""
-        return _quantile(self.nugget_shares, self.weights.sum(axis=(0, 1)), probability)
-
-    def __str__(self) -> str:
-        kinds = ", ".join(f"{name} {p:.0%}" for name, p in self.kind_weights.items())
-        return (
-            f"range {self.range_at(0.5):.0f} m (90 % between {self.range_at(0.05):.0f} and "
-            f"{self.range_at(0.95):.0f}), nugget {self.nugget_at(0.5):.0%} "
-            f"({self.nugget_at(0.05):.0%} to {self.nugget_at(0.95):.0%}), {kinds}"
-        )
 
 
 @dataclass(frozen=True)
@@ -317,13 +255,6 @@ def _by_reach(z: Floats) -> list[tuple[Bools, Integers]]:
     for layer in np.flatnonzero(reached.any(axis=1)).tolist():
         groups.setdefault(reached[layer].tobytes(), []).append(layer)
     return [(reached[layers[0]], np.array(layers)) for layers in groups.values()]
-
-
-def _quantile(values: Sequence[float], weights: Floats, probability: float) -> float:
-    """Least of ascending values up to which the weights come to a probability."""
-    order = np.argsort(values)
-    summed = np.cumsum(weights[order])
-    return float(values[int(order[np.searchsorted(summed, probability * summed[-1])])])
 
 
 def _why(posterior: Posterior, samples: int, sill: float, known: int) -> str:
