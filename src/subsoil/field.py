@@ -168,6 +168,14 @@ class Field:
         west, south, east, north = self.boundary.bounds
         return math.hypot(east - west, north - south)
 
+    @property
+    def entrance(self) -> tuple[float, float]:
+        """Where an agent enters: the corner of the outline nearest to the south-west, in m."""
+        west, south, _, _ = self.boundary.bounds
+        corners = shapely.get_coordinates(self.boundary)
+        nearest = np.argmin(np.hypot(corners[:, 0] - west, corners[:, 1] - south))
+        return (float(corners[nearest, 0]), float(corners[nearest, 1]))
+
     @cached_property
     def _probeable(self) -> Area:
         barred = shapely.union_all(list(self.keep_outs))

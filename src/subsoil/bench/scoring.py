@@ -8,7 +8,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from subsoil.bench.task import Result, Row, Series, Task, survey_seed
-from subsoil.bench.world import TruthReader, entrance, truth_of
+from subsoil.bench.world import TruthReader, truth_of
 from subsoil.dispatch import LocalDispatch, drive
 from subsoil.errors import SubsoilError
 from subsoil.events import Configured, Event, Finished, Planned
@@ -79,7 +79,7 @@ def scored(task: Task) -> Result:
 
 def surveyed(task: Task, samples: int, truth: Truth, scorer: Scorer) -> Survey:
     """Survey a field with a number of samples; returns the state at its end."""
-    start = entrance(truth.field)
+    start = truth.field.entrance
     settings = Configured(
         strategy=task.entrant.strategy,
         estimator=task.entrant.estimator,

@@ -117,11 +117,3 @@ def land_of(setting: Setting) -> Field:
     if not isinstance(outline, Polygon | MultiPolygon):
         raise ParameterError(f"it is a {outline.geom_type}, not a polygon", where="--boundary")
     return Field(outline, setting.crs, name="bench field")
-
-
-def entrance(field: Field) -> Place:
-    """Where a robot starts: the corner of the outline nearest to the south-west."""
-    west, south, _, _ = field.boundary.bounds
-    corners = shapely.get_coordinates(field.boundary)
-    gate = np.argmin(np.hypot(corners[:, 0] - west, corners[:, 1] - south))
-    return (float(corners[gate, 0]), float(corners[gate, 1]))

@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
-import shapely
 import typer
 from numpy.typing import NDArray
 
@@ -104,7 +103,7 @@ def configured(
         estimator_settings=dict(estimator_settings),
         refit_every=refit_every,
         seed=seed,
-        start=_start_of(field),
+        start=field.entrance,
         world=world,
         samples=samples,
         metres=metres,
@@ -156,14 +155,6 @@ def numbers(settings: list[str] | None) -> dict[str, float]:
 def extent_of(at: NDArray[np.float64]) -> float:
     """Diagonal in m of the box around (n, 2) places, one metre at least."""
     return max(float(np.hypot(*np.ptp(at, axis=0))), 1.0)
-
-
-def _start_of(field: Field) -> tuple[float, float]:
-    """Where an agent enters a field: the corner of its outline nearest to the south-west."""
-    west, south, _, _ = field.boundary.bounds
-    corners = shapely.get_coordinates(field.boundary)
-    gate = np.argmin(np.hypot(corners[:, 0] - west, corners[:, 1] - south))
-    return (float(corners[gate, 0]), float(corners[gate, 1]))
 
 
 def layers_of(text: str) -> Layers:
