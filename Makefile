@@ -1,5 +1,7 @@
 # Every target makes .venv itself; nothing else needs to be set up.
 PYTHON ?= python3
+# Tests run in a process a core; linear algebra then needs no threads of its own.
+TEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
 BIN = .venv/bin
 READY = .venv/.ready
 
@@ -10,13 +12,13 @@ demo: $(READY)
 	@echo "Open demo/report.html; demo/survey.gpkg opens in QGIS."
 
 test: $(READY)
-	$(BIN)/python -m pytest -n auto
+	$(TEST)
 
 check: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/python -m pytest -n auto -m "not slow"
+	$(TEST) -m "not slow"
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks

@@ -15,6 +15,7 @@ from __future__ import annotations
 from math import inf
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
@@ -86,8 +87,9 @@ def joint(
     budget = clock.metres_for(stops)
     if not (price_per_m or clock.counts_minutes):
         budget = min(budget, way * min(start.metres for start in starts))
-    for search in starts:
-        search.anneal(sweeps, budget, view.rng)
+    with threadpool_limits(1, user_api="blas"):
+        for search in starts:
+            search.anneal(sweeps, budget, view.rng)
     best = min(starts, key=lambda s: (clock.late(s), s.variance if budget < inf else s.cost))
     if clock.counts_minutes:
         _suit_to_time(best, clock, view.remaining)
@@ -151,7 +153,8 @@ def joint_adaptive(
     if not search.route:
         return Plan((), "the limits leave no room for another stop")
     budget = clock.metres_for(len(search.route)) if clock.is_ticking else search.metres
-    search.descend(_WARM_SWEEPS, Terms(reach_m=reach_m, budget_m=budget), view.rng)
+    with threadpool_limits(1, user_api="blas"):
+        search.descend(_WARM_SWEEPS, Terms(reach_m=reach_m, budget_m=budget), view.rng)
     plan = Plan(search.route, _reason(search, "moved to where they are worth most"))
     return replicated(plan, view, search, most_pushes)
 
