@@ -180,6 +180,15 @@ def test_after_a_sample_the_way_does_not_get_longer_and_the_variance_not_higher(
     assert designs.mean_variance([*cells[:8], *plan.cells]) < designs.mean_variance(cells)
 
 
+def test_on_a_large_field_some_cells_are_weighed_at_a_time_and_the_plan_is_as_good() -> None:
+    large = Field.from_metres([(0, 0), (300, 0), (300, 200), (0, 200)])
+    start = view(large, 12)
+    plan = joint(start, sweeps=10)
+    area = strategy_named("area-split")(view(large, 12))
+    designs = designs_for(start)
+    assert designs.mean_variance(plan.cells) <= 1.02 * designs.mean_variance(area.cells)
+
+
 def test_the_same_view_gives_the_same_plan() -> None:
     assert joint(view(TEST_BED, 14, 7)) == joint(view(TEST_BED, 14, 7))
 

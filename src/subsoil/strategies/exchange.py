@@ -31,6 +31,8 @@ _MULTIPLIER_STEP = 0.3
 """Growth of the logarithm of the price per excess of the way over its budget."""
 _FEWEST = 2
 """Readings that a map needs: without any there is no variance to compare."""
+_MOST_WEIGHED = 1200
+"""Cells weighed for a stop at a time, at most: what keeps large fields from taking minutes."""
 _PRICE_RISE, _PRICE_RISES = 1.1, 30
 """Factor on the price while the optimum exceeds the budget, and how often it is applied."""
 
@@ -235,7 +237,7 @@ class Exchange:
         self._open[self._cells[slot]] = True
         order = [other for other in self._order if other != slot]
         without = self._without(slot)
-        options = self._options(without, order, self._within(slot, terms.reach_m))
+        options = self._options(without, order, self._weighed(slot, terms.reach_m, rng))
         objective = a_metre * options.detour - options.gain
         objective[~self._open[options.cells]] = inf
         if terms.budget_m < inf:
@@ -250,9 +252,18 @@ class Exchange:
         self._inverse[slot] = self._inverse[:, slot] = -weight / own
         self._inverse[slot, slot] = 1.0 / own
 
-    def _within(self, slot: int, reach_m: float) -> Integers | slice:
-        """Cells within reach of a stop; all of them as a slice, which copies nothing."""
-        return slice(None) if reach_m == inf else np.flatnonzero(self._away[slot] <= reach_m)
+    def _weighed(self, slot: int, reach_m: float, rng: np.random.Generator) -> Integers | slice:
+        """Cells to weigh for a stop: those within reach, of many some that are drawn, and its own.
+
+        All cells come as a slice, which copies nothing.
+        """
+        if reach_m == inf and len(self.at) <= _MOST_WEIGHED:
+            return slice(None)
+        near = np.flatnonzero(self._away[slot] <= reach_m)
+        if len(near) <= _MOST_WEIGHED:
+            return near
+        drawn = rng.choice(near, _MOST_WEIGHED, replace=False)
+        return np.union1d(drawn, [self._cells[slot]])
 
     def _put(self, slot: int, cell: int) -> None:
         self._open[cell] = False
