@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import fdtr, fdtri, ndtr
 
 from subsoil.kriging import OrdinaryKriging, over
-from subsoil.kriging.covariance import lags
 from subsoil.soilmap import SoilMap
 
 Floats = NDArray[np.float64]
@@ -122,18 +121,9 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
 
 
 def error_covariance(kriging: OrdinaryKriging, at: ArrayLike) -> Floats:
-    """(g, k, k) covariance of the kriging errors at (k, 2) places, for each of g variograms.
-
-    With the terms of :mod:`subsoil.kriging.system`: ``c(s, t) + b(s) + b(t) - (c(0) + e1) -
-    v(s) . v(t)``; its diagonal is the kriging variance.
-    """
+    """(g, k, k) covariance of the kriging errors at (k, 2) places, for each of g variograms."""
     estimate = over(kriging, at)
-    places, base, v, system = estimate.targets, estimate.base, estimate.v, estimate.kriging.system
-    joint: Floats = system.covariance(lags(places, places))
-    joint -= np.matmul(v.array.transpose(0, 2, 1), v.array)
-    joint += base[:, :, None] + base[:, None, :]
-    joint -= (system.covariance.origin + system.readings.noise[:, 0])[:, None, None]
-    return joint
+    return estimate.error_covariance(np.arange(len(estimate.targets)))
 
 
 def probability_above(mean: ArrayLike, deviation: ArrayLike, threshold: float) -> Floats:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +9,7 @@ import numpy as np
 import typer
 
 from subsoil.cli.known import Column, CovariateFile, Drift, covariate_of, rule_named
+from subsoil.cli.material import Material, material_of
 from subsoil.cli.options import (
     DEFAULT_EDGES,
     CellSize,
@@ -17,25 +17,18 @@ from subsoil.cli.options import (
     EstimatorName,
     EstimatorSettings,
     extent_of,
-    layers_of,
     numbers,
 )
 from subsoil.cli.output import AsJson, Out, folder, tell, tell_table
 from subsoil.errors import ParameterError
-from subsoil.field import Field
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
-from subsoil.io.readings import read_readings
-from subsoil.journal import read_events
 from subsoil.kriging import condition
 from subsoil.kriging.choice import learn
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, leave_one_out_with
-from subsoil.layers import Layers, Sample
-from subsoil.penetrometer import Cone
 from subsoil.plots import readings_figures
 from subsoil.scores import LeaveOneOut, block_out, leave_one_out
 from subsoil.soilmap import SoilMap
-from subsoil.survey import fold
 from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
 
 ReadingsFile = Annotated[
@@ -52,35 +45,6 @@ Units = Annotated[
     typer.Option(help="Unit of the readings where the file does not say: kpa, mpa, psi."),
 ]
 _ESTIMATOR = "pmc"
-
-
-@dataclass(frozen=True)
-class Material:
-    """Readings to look at, from whatever file.
-
-    Attributes
-    ----------
-    samples
-        Layer values by place.
-    layers
-        Depth bands.
-    refused
-        What was left out, a line each.
-    """
-
-    samples: tuple[Sample, ...]
-    layers: Layers
-    refused: tuple[str, ...]
-
-    @property
-    def at(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        """(n, 2) places in m."""
-        return np.array([sample.at for sample in self.samples], dtype=float).reshape(-1, 2)
-
-    @property
-    def kpa(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        """(m, n) measured kPa, NaN where not measured."""
-        return np.array([sample.measured_kpa for sample in self.samples]).T
 
 
 def make_map(
@@ -101,7 +65,7 @@ def make_map(
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     field = read_field(boundary, crs=crs, cell_size=cell)
-    material = _material(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, units)
     known = covariate_of(covariate, column, field, crs)
     chosen = estimator_named(estimator, field.extent_m, numbers(setting))
     learnt = learn(material.at, material.kpa, known, chosen, rule_named(drift))
@@ -143,7 +107,7 @@ def variogram(
 ) -> None:
     """Show empirical variograms with pair counts, and what was fitted to them."""
     field = read_field(boundary, crs=crs) if boundary else None
-    material = _material(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, units)
     extent = field.extent_m if field else extent_of(material.at)
     chosen = estimator_named(estimator, extent, numbers(setting))
     fits = chosen(material.at, material.kpa)
@@ -179,7 +143,7 @@ def cv(
 ) -> None:
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     field = read_field(boundary, crs=crs) if boundary else None
-    material = _material(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, units)
     extent = field.extent_m if field else extent_of(material.at)
     fits = estimator_named(estimator, extent, numbers(setting))(material.at, material.kpa)
     scores = _scores(material, fits)
@@ -199,35 +163,6 @@ def cv(
         list(rows[0]),
         [list(row.values()) for row in rows],
     )
-
-
-def _material(
-    path: Path,
-    edges: str,
-    field: Field | None,
-    crs: str | None,
-    cone_area: float | None,
-    units: str | None,
-) -> Material:
-    if path.suffix.lower() == ".gpkg":
-        survey = fold(read_events(path))
-        material = Material(survey.soil_map.samples, survey.layers, ())
-    else:
-        cone = Cone(cone_area) if cone_area is not None else None
-        readings = read_readings(path, field=field, crs=crs, cone=cone, units=units)
-        layers = layers_of(edges)
-        samples = tuple(
-            layers.sample(profile, at)
-            for profile, at in zip(readings.profiles, readings.at, strict=True)
-        )
-        material = Material(samples, layers, tuple(str(finding) for finding in readings.refused))
-    if len(material.samples) < 3:
-        raise ParameterError(
-            f"{len(material.samples)} readings are too few to score a map",
-            where=str(path),
-            remedy="take three or more",
-        )
-    return material
 
 
 def _scores(

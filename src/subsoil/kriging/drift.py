@@ -24,8 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import KDTree
 
 from subsoil.errors import ParameterError, SingularSystemError
-from subsoil.kriging.covariance import lags
-from subsoil.kriging.estimate import Estimate
+from subsoil.kriging.estimate import Estimate, fall
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
 from subsoil.kriging.system import System
@@ -196,25 +195,10 @@ class Drifted:
         """
         index = np.asarray(candidates, dtype=np.intp)
         e = self.residual
-        joint = _joint(self.estimate, index)
+        joint = self.estimate.error_covariance(index)
         joint += e[:, index, None] * e[:, None] / self.regression.information[:, None, None]
-        own = joint[:, np.arange(len(index)), index]
-        own = own + self.kriging.system.covariance.noise[:, None]
-        joint *= joint
-        # A place known for certain has nothing to tell.
-        return self.kriging.shaped(
-            np.divide(joint, own[:, :, None], out=np.zeros_like(joint), where=own[:, :, None] > 0.0)
-        )
-
-
-def _joint(estimate: Estimate, index: NDArray[np.intp]) -> Floats:
-    """(g, k, N) covariance of ordinary kriging's errors at k of the targets and at all."""
-    system, v = estimate.kriging.system, estimate.v.array
-    origin = system.covariance.origin + system.readings.noise[:, 0]
-    joint = system.covariance(lags(estimate.targets[index], estimate.targets))
-    joint -= np.matmul(v[:, :, index].transpose(0, 2, 1), v)
-    joint += estimate.base[:, None] + (estimate.base[:, index] - origin[:, None])[:, :, None]
-    return joint
+        noise = self.kriging.system.covariance.noise
+        return self.kriging.shaped(fall(joint, index, noise))
 
 
 def leave_one_out_with(covariate: Covariate, ok: OrdinaryKriging) -> LeaveOneOut:

@@ -101,19 +101,41 @@ class Estimate:
             (k, N), or (m, k, N) for layers.
         """
         index = np.asarray(candidates, dtype=np.intp)
+        noise = self.kriging.system.covariance.noise
+        return self.kriging.shaped(fall(self.error_covariance(index), index, noise))
+
+    def error_covariance(self, index: NDArray[np.intp]) -> Floats:
+        """(g, k, N) covariance of the kriging errors at k of the targets with those at all.
+
+        With the terms of :mod:`subsoil.kriging.system`: ``c(s, t) + b(s) + b(t) - (c(0) + e1) -
+        v(s) . v(t)``; where s is t it is the kriging variance.
+        """
         system, v = self.kriging.system, self.v.array
-        covariance = system.covariance
-        shift = self.base[:, index].T - (covariance.origin + system.readings.noise[:, 0])
-        joint = covariance(lags(self.targets[index], self.targets))
+        shift = self.base[:, index].T - (system.covariance.origin + system.readings.noise[:, 0])
+        joint = system.covariance(lags(self.targets[index], self.targets))
         joint -= np.matmul(v[:, :, index].transpose(0, 2, 1), v)
         joint += self.base[:, None, :]
         joint += shift.T[:, :, None]
-        own = joint[:, np.arange(len(index)), index] + covariance.noise[:, None]
-        joint *= joint
-        # A place known for certain has nothing to tell.
-        return self.kriging.shaped(
-            np.divide(joint, own[:, :, None], out=np.zeros_like(joint), where=own[:, :, None] > 0.0)
-        )
+        return joint
+
+
+def fall(joint: Floats, index: NDArray[np.intp], noise: Floats) -> Floats:
+    """(g, k, N) fall of the variance if one of k targets were probed.
+
+    Parameters
+    ----------
+    joint
+        (g, k, N) covariance of the errors at these targets with those at all; it is overwritten.
+    index
+        (k,) indices of the targets.
+    noise
+        (g,) variance of a reading.
+    """
+    own = joint[:, np.arange(len(index)), index] + noise[:, None]
+    joint *= joint
+    # A place known for certain has nothing to tell.
+    known = own[:, :, None] > 0.0
+    return np.divide(joint, own[:, :, None], out=np.zeros_like(joint), where=known)
 
 
 def over(ok: OrdinaryKriging, targets: ArrayLike) -> Estimate:
