@@ -14,7 +14,7 @@ PACKAGE = Path(subsoil.__file__).parent
 FLOORS: dict[str, int] = {
     "errors": 1, "frames": 1, "outline": 1, "field": 1, "penetrometer": 1, "layers": 1,
     "variogram": 2, "kriging": 2, "soilmap": 2, "scores": 2, "uncertainty": 2,
-    "travel": 3, "routing": 3, "stopping": 3, "strategies": 3,
+    "travel": 3, "routing": 3, "tours": 3, "stopping": 3, "strategies": 3,
     "robot": 4, "simulation": 4,
     "events": 5, "survey": 5, "sequel": 5, "dispatch": 5, "geopackage": 5, "layout": 5,
     "journal": 5, "verification": 5, "ownership": 5,
@@ -57,7 +57,7 @@ def test_a_module_imports_only_its_own_floor_and_those_below(path: Path) -> None
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_strategies_never_see_the_truth(path: Path) -> None:
-    if room(path) in {"strategies", "travel", "routing", "stopping"}:
+    if room(path) in {"strategies", "travel", "routing", "tours", "stopping"}:
         assert not any("simulation" in name for name in imported(path))
 
 

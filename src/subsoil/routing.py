@@ -1,9 +1,9 @@
 """Short open routes through places: from where the agent is, ending anywhere.
 
 Lengths are those of the ways that a :class:`subsoil.travel.Travel` finds through the field.
-A new set of stops is ordered by ``fast-tsp``; a route that changes while it is driven keeps its
-order as far as it can: stops are put in where they cost least, then 2-opt and or-opt moves shorten
-it (Croes 1958, Oper. Res. 6, 791; Or 1976). The second way does not make the agent dither.
+A new set of stops is ordered by :mod:`subsoil.tours`; a route that changes while it is driven keeps
+its order as far as it can: stops are put in where they cost least, then 2-opt and or-opt moves
+shorten it (Croes 1958, Oper. Res. 6, 791; Or 1976). The second way does not make the agent dither.
 """
 
 from __future__ import annotations
@@ -11,25 +11,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-import fast_tsp
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from subsoil.tours import short_tour
 from subsoil.travel import Travel
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_MOST_SOLVED_EXACTLY = 20
-"""Nodes up to which fast-tsp enumerates; beyond, it searches at random."""
-_SHORTEST_SEARCH_S, _LONGEST_SEARCH_S = 0.05, 0.8
-"""Time of a search, at first and where searches keep to disagree."""
-_LARGEST = 65_535
-"""Largest distance that fast-tsp takes."""
-_ASIDE = 1.1
-"""Distance of the node that closes a path to a cycle, as a share of the greatest distance."""
-_TELL_APART = 64
-"""Integer distances are told apart by up to this much: grids are full of equally short routes."""
 _EPSILON = 1e-9
 _LONGEST_SEGMENT = 3
 
@@ -50,10 +40,8 @@ def way(travel: Travel, start: ArrayLike, places: ArrayLike) -> Floats:
 def tour(travel: Travel, start: ArrayLike, places: ArrayLike) -> tuple[int, ...]:
     """Order of (k, 2) places that makes the way from a start through all of them short.
 
-    Optimal up to 18 places, but for distances rounded to 1 part in 60 000. Beyond, the search is
-    random and is given more time until it finds the same twice, two seconds in all at most. Up to
-    some 60 places that is the optimum again, and the same at every call; of 300 places it comes
-    within some 0.2 %, and another call may come to another order.
+    The same at every call, on every machine and however busy it is: see
+    :func:`subsoil.tours.short_tour` for how short.
 
     Examples
     --------
@@ -64,49 +52,7 @@ def tour(travel: Travel, start: ArrayLike, places: ArrayLike) -> tuple[int, ...]
     (1, 2, 0)
     """
     nodes = _nodes(start, places)
-    distance = travel.between(nodes, nodes)
-    if not distance.any():
-        return tuple(range(len(nodes) - 1))
-    path = np.array(_searched(_closed(distance)))
-    return tuple((path[list(shorten(distance[np.ix_(path, path)]))] - 1).tolist())
-
-
-def _searched(closed: Integers) -> list[int]:
-    """Shortest open path from node 0 in a matrix with a node more to close it."""
-    seconds = float(np.clip(1e-5 * len(closed) ** 2, _SHORTEST_SEARCH_S, _LONGEST_SEARCH_S))
-    path = _search(closed, seconds)
-    while len(closed) > _MOST_SOLVED_EXACTLY and seconds <= _LONGEST_SEARCH_S:
-        other = _search(closed, seconds)
-        if other == path:
-            break
-        path = min(path, other, key=lambda nodes: int(closed[nodes[:-1], nodes[1:]].sum()))
-        seconds *= 2
-    return path
-
-
-def _search(closed: Integers, seconds: float) -> list[int]:
-    cycle: list[int] = fast_tsp.find_tour(closed.tolist(), duration_seconds=seconds)
-    end = cycle.index(len(closed) - 1)
-    path = cycle[end + 1 :] + cycle[:end]
-    return path if path[0] == 0 else path[::-1]
-
-
-def _closed(distance: Floats) -> Integers:
-    """Integer matrix whose shortest cycle is the shortest open path from node 0.
-
-    One more node joins the path's two ends: it is next to the start for free and farther from
-    everything else than anything is. Where there is more to solve than fast-tsp enumerates,
-    distances are told apart by up to a thousandth of the greatest, always the same way.
-    """
-    n = len(distance)
-    scale = (_LARGEST - _TELL_APART) / _ASIDE
-    closed = np.full((n + 1, n + 1), round(scale * _ASIDE), dtype=np.int64)
-    closed[:n, :n] = np.round(distance * (scale / distance.max()))
-    if n + 1 > _MOST_SOLVED_EXACTLY:
-        more = np.triu(np.random.default_rng(0).integers(0, _TELL_APART, (n, n)), 1)
-        closed[:n, :n] += more + more.T
-    closed[n, [0, n]] = closed[[0, n], n] = 0
-    return closed
+    return tuple(node - 1 for node in short_tour(travel.between(nodes, nodes)))
 
 
 def reroute(

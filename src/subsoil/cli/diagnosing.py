@@ -13,7 +13,7 @@ import typer
 
 from subsoil.cli.output import AsJson, tell, tell_table
 
-_NEEDED = ("numpy", "scipy", "shapely", "pyproj", "pydantic", "fast-tsp", "filelock", "typer")
+_NEEDED = ("numpy", "scipy", "shapely", "pyproj", "pydantic", "filelock", "typer")
 _EXTRAS = {
     "rasterio": "geo",
     "xarray": "geo",
