@@ -209,6 +209,36 @@ def survey_step() -> Result:
     return Result(median(steps[-5:]), goal="<= 0.050 s", note="median of the last five of 31 steps")
 
 
+def tour(n: int) -> Result:
+    """Order n random places; the peer searches at random for the 2 s that it is given."""
+    import fast_tsp
+    from scipy.spatial.distance import cdist
+
+    from subsoil.tours import short_tour
+
+    nodes = np.random.default_rng(0).uniform(0, 1000, (n + 1, 2))
+    open_end = np.full((n + 2, n + 2), 4000)
+    open_end[:-1, :-1] = np.round(cdist(nodes, nodes))
+    open_end[-1, [0, -1]] = open_end[[0, -1], -1] = 0
+    lengths = open_end.tolist()
+
+    def ours() -> tuple[int, ...]:
+        return (0, *short_tour(cdist(nodes, nodes)))
+
+    def peer() -> list[int]:
+        cycle: list[int] = fast_tsp.find_tour(lengths, duration_seconds=2.0)
+        end = cycle.index(n + 1)
+        return cycle[end + 1 :] + cycle[:end]
+
+    mine, theirs = (
+        np.hypot(*np.diff(nodes[list(way)], axis=0).T).sum() for way in (ours(), peer())
+    )
+    note = f"{mine / theirs - 1:+.2%} longer than fast-tsp's"
+    return Result(
+        best_of(3, ours), timed(peer), f"<= 2 s, <= {0.5 if n < 1000 else 2} % longer", note=note
+    )
+
+
 def demonstration() -> Result:
     """``subsoil demo``: survey, maps, figures, report."""
     with tempfile.TemporaryDirectory() as folder:
@@ -232,6 +262,9 @@ def workloads(share: float) -> dict[str, Callable[[], Result]]:
         "W2 dense, spherical": lambda: dense(Spherical, share),
         "W2 dense, GSTools": lambda: dense_gstools(share),
         "survey step": survey_step,
+        "tour 50 stops": lambda: tour(50),
+        "tour 200 stops": lambda: tour(200),
+        "tour 1000 stops": lambda: tour(1000),
         "import subsoil": importing,
         "subsoil demo": demonstration,
     }

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from itertools import pairwise
+from math import sqrt
 from random import Random
 
 import numpy as np
@@ -31,7 +32,8 @@ _NEAR = 8
 """Neighbours that a node is joined to."""
 _LONGEST_STRETCH = 30
 """Nodes in either stretch of a swap."""
-_ROUNDS_A_STOP, _MOST_ROUNDS = 80, 10_000
+_ROUNDS_A_STOP, _STOPS = 75, 200
+"""Rounds for each stop, and the stops up to which they rise; beyond, a round takes longer."""
 _ALLOWED = 2.0
 """Length that a first round may add, at most, as a share of the mean step."""
 _FASTENED = 1 << 50
@@ -71,7 +73,11 @@ def short_tour(distance: Floats) -> tuple[int, ...]:
         return tuple(range(1, stops + 1))
     path = _Path(quantised(distance))
     path.settle(reversed(range(stops + 1)))
-    return tuple(_searched(path, min(_ROUNDS_A_STOP * stops, _MOST_ROUNDS))[1:-1])
+    return tuple(_searched(path, _rounds(stops))[1:-1])
+
+
+def _rounds(stops: int) -> int:
+    return int(_ROUNDS_A_STOP * min(stops, _STOPS) / sqrt(max(1.0, stops / _STOPS)))
 
 
 def _searched(path: _Path, rounds: int) -> list[int]:
