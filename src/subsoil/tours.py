@@ -49,9 +49,9 @@ def quantised(distance: Floats) -> Floats:
 def short_tour(distance: Floats) -> tuple[int, ...]:
     """Order of the nodes after node 0 that makes the open path through all of them short.
 
-    Never longer than going to the nearest node each time. Beside the best of fast-tsp's ways it came
-    out as long in each of 20 trials with 50 stops, at most 0.33 % longer in 24 with 200, and at
-    most 1.1 % in 12 with 1 000. Takes memory for all pairs.
+    Never longer than going to the nearest node each time. Against fast-tsp, a
+    search at random given 2 s: as long in each of 20 trials with 50 stops, at most 0.33 % longer in
+    24 with 200, and at most 1.1 % in 12 with 1 000. Takes memory for all pairs.
 
     Parameters
     ----------
