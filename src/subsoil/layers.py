@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,10 +55,12 @@ class Sample:
         for array in (self.kpa, self.state):
             array.setflags(write=False)
 
-    @property
+    @cached_property
     def measured_kpa(self) -> Floats:
         """(m,) layer means, NaN for every layer that was not measured through."""
-        return np.where(self.state == LayerState.MEASURED, self.kpa, np.nan)
+        measured = np.where(self.state == LayerState.MEASURED, self.kpa, np.nan)
+        measured.setflags(write=False)
+        return measured
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ParameterError
-from subsoil.kriging import Estimate, condition, over
+from subsoil.kriging import Kriged, condition, over
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
 from subsoil.layers import Layers, Sample
-from subsoil.variogram import Estimator, Fit, Nested
+from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
 
 Floats = NDArray[np.float64]
@@ -37,7 +37,7 @@ class Stack:
     """
 
     layers: tuple[int, ...]
-    estimate: Estimate | Drifted
+    estimate: Kriged
     unit: Floats
     samples: int
 
@@ -73,6 +73,8 @@ class SoilMap:
         What the soil may follow, if anything is known of the field beforehand.
     drift
         Indices of the layers that follow it, by kriging with external drift.
+    simulated
+        Whether the samples are of a soil that was drawn: whatever shows the map says so.
     kriged
         Stacks of the same cells and variograms and the first of the samples, to go on from:
         what :meth:`append` hands on. They change what a result costs and not what it is, and do
@@ -102,6 +104,7 @@ class SoilMap:
     samples: tuple[Sample, ...] = ()
     covariate: Covariate = NO_COVARIATE
     drift: tuple[int, ...] = ()
+    simulated: bool = False
     kriged: InitVar[tuple[Stack, ...]] = ()
     _start: tuple[Stack, ...] = field(init=False, repr=False, compare=False)
 
@@ -129,10 +132,6 @@ class SoilMap:
     def refit(self, variograms: Sequence[Variogram]) -> SoilMap:
         """Map of the same samples under other variograms, one a layer."""
         return replace(self, variograms=tuple(variograms))
-
-    def fit(self, estimator: Estimator) -> tuple[Fit, ...]:
-        """Fit reports of an estimator on the samples of this map, one a layer."""
-        return estimator(self.at, self.kpa)
 
     @property
     def at(self) -> Floats:
@@ -163,7 +162,7 @@ class SoilMap:
         at, kpa, error = self._readings(layers)
         models, unit = _in_units(tuple(self.variograms[k] for k in layers), error)
         plain = over(condition(models, at, kpa, error_variance=error), self.cells)
-        estimate = Drifted(plain, self.covariate) if layers[0] in self.drift else plain
+        estimate: Kriged = Drifted(plain, self.covariate) if layers[0] in self.drift else plain
         return Stack(layers, estimate, unit, len(self.samples))
 
     def _followed(self, stack: Stack) -> Stack:
@@ -257,7 +256,7 @@ class SoilMap:
         """
         used = list(self.variograms)
         for stack in self.stacks:
-            models = stack.estimate.kriging.variograms
+            models = stack.estimate.variograms
             for k, layer in enumerate(stack.layers):
                 if not isinstance(used[layer], Nested):
                     used[layer] = models[k % len(models)]
@@ -265,10 +264,12 @@ class SoilMap:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the map should know: models replaced, and a covariate followed."""
+        """What to know of the map: simulated, models replaced, a covariate followed."""
         layers = zip(self.layers.names, self.variograms, self.kriged_with, strict=False)
         replaced = [name for name, model, used in layers if used != model]
         said = []
+        if self.simulated:
+            said.append("simulated: the readings are of a soil that was drawn, not of land")
         if replaced:
             said.append(
                 f"{', '.join(replaced)}: bounded linear model not valid in the plane for these "

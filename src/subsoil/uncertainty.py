@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import fdtr, fdtri, ndtr
 
-from subsoil.kriging import OrdinaryKriging, over
 from subsoil.soilmap import SoilMap
 
 Floats = NDArray[np.float64]
@@ -108,9 +107,9 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
     if not soil_map.mean_kv > 0:
         return MeanSquare(soil_map.mean_kv, nan, nan)
     mean, square = np.zeros(len(soil_map.layers)), np.zeros(len(soil_map.layers))
-    cells = soil_map.cells[spaced(len(soil_map.cells))]
+    cells = spaced(len(soil_map.cells))
     for stack in soil_map.stacks:
-        p = stack.unit[:, None, None] * error_covariance(stack.estimate.kriging, cells)
+        p = stack.unit[:, None, None] * stack.estimate.error_covariance(cells, cells)
         mean[list(stack.layers)] = np.diagonal(p, axis1=1, axis2=2).mean(axis=1)
         square[list(stack.layers)] = np.mean(p * p, axis=(1, 2))
     weights, likeness = np.asarray(soil_map.layers.weights), _likeness(soil_map.kpa) ** 2
@@ -118,12 +117,6 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
     errors = total / float((weights * np.sqrt(square)) @ likeness @ (weights * np.sqrt(square)))
     sills = (n - 1) * total / float((weights * mean) @ likeness @ (weights * mean))
     return MeanSquare(soil_map.mean_kv, errors, sills)
-
-
-def error_covariance(kriging: OrdinaryKriging, at: ArrayLike) -> Floats:
-    """(g, k, k) covariance of the kriging errors at (k, 2) places, for each of g variograms."""
-    estimate = over(kriging, at)
-    return estimate.error_covariance(np.arange(len(estimate.targets)))
 
 
 def probability_above(mean: ArrayLike, deviation: ArrayLike, threshold: float) -> Floats:

@@ -60,7 +60,7 @@ def history(done: tuple[Survey, tuple[Progress, ...]]) -> tuple[Progress, ...]:
 @pytest.fixture(scope="session")
 def fits(survey: Survey) -> tuple[Fit, ...]:
     """Fits of its variograms."""
-    return survey.soil_map.fit(estimator_of(survey))
+    return estimator_of(survey)(survey.soil_map.at, survey.soil_map.kpa)
 
 
 def _progress(survey: Survey, truth: Truth) -> Progress:

@@ -10,8 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
-from subsoil.kriging import condition
-from subsoil.scores import block_out, leave_one_out, rmse, skill
+from subsoil.kriging import block_out, condition, leave_one_out
+from subsoil.kriging.leave_one_out import skill
+from subsoil.scores import rmse
 from subsoil.variogram import (
     MODELS,
     Bounded,

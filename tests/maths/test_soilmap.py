@@ -237,7 +237,8 @@ def test_a_refit_krige_anew_and_leaves_the_old_map_alone() -> None:
 def test_a_map_of_any_number_of_samples_can_be_fitted_and_kriged(n: int) -> None:
     soil_map = SoilMap(CELLS, LAYERS)
     samples = tuple(sample(4 * k) for k in range(n))
-    models = [fit.variogram for fit in replace(mapped(), samples=samples).fit(paper_10)]
+    read = replace(mapped(), samples=samples)
+    models = [fit.variogram for fit in paper_10(read.at, read.kpa)]
     fitted = SoilMap(CELLS, LAYERS, tuple(models), samples)
     assert len(models) == 3
     assert np.isfinite(fitted.kv).all() == (n > 0)

@@ -13,14 +13,13 @@ from scipy.spatial.distance import cdist
 from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
-from subsoil.kriging import condition
+from subsoil.kriging import condition, over
 from subsoil.layers import Layers, Sample
 from subsoil.scores import rmse
 from subsoil.soilmap import SoilMap
 from subsoil.uncertainty import (
     MeanSquare,
     decided,
-    error_covariance,
     mean_square_error,
     predicted_rmse,
     probability_above,
@@ -123,7 +122,7 @@ def test_error_covariances_are_those_of_the_kriging_weights() -> None:
     own = weights.T @ (signal(at, at) + 30 * np.eye(9)) @ weights
     peer = signal(to, to) - cross - cross.T + own
     kriging = condition(model, at, rng.standard_normal(9))
-    found = error_covariance(kriging, to)
+    found = over(kriging, to).error_covariance(np.arange(5))
     assert np.allclose(found[0], peer, rtol=1e-9, atol=1e-9)
     assert np.allclose(np.diag(found[0]), kriging.predict(to).variance, rtol=1e-9)
 

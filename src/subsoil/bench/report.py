@@ -113,7 +113,7 @@ def _example(found: Standing, setting: Setting) -> dict[str, Figure]:
     task = Task(setting, min(found.results[entrant]), entrant)
     truth = truth_of(setting, task.field)
     survey = surveyed(task, setting.samples[-1], truth, Scorer(truth))
-    fits = survey.soil_map.fit(estimator_of(survey))
+    fits = estimator_of(survey)(survey.soil_map.at, survey.soil_map.kpa)
     drawn = draw_survey(survey, (), fits)
     return {f"example_{name}": drawn[name] for name in ("depth_slices", "std_dev", "variograms")}
 

@@ -23,11 +23,10 @@ from subsoil.cli.output import AsJson, Out, folder, tell, tell_table
 from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
-from subsoil.kriging import condition
+from subsoil.kriging import LeaveOneOut, block_out, condition, leave_one_out
 from subsoil.kriging.choice import learn
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, leave_one_out_with
 from subsoil.plots import readings_figures
-from subsoil.scores import LeaveOneOut, block_out, leave_one_out
 from subsoil.soilmap import SoilMap
 from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
 
@@ -72,7 +71,7 @@ def make_map(
     fits = learnt.fits
     soil_map = SoilMap(
         field.cells, material.layers, tuple(fit.variogram for fit in fits), material.samples,
-        known, learnt.drift,
+        known, learnt.drift, material.simulated,
     )  # fmt: skip
     scores = _scores(material, fits, known, learnt.drift)
     rasters = write_geotiffs(soil_map, field, folder(out))

@@ -74,7 +74,7 @@ def demo(
     truth = truth_of(field, land, layers, seed)
     with create(path, opening(land, layers, SMALL_CONE)) as journal:
         survey, history = _survey(journal, settings, truth)
-    fits = survey.soil_map.fit(estimator_of(survey))
+    fits = estimator_of(survey)(survey.soil_map.at, survey.soil_map.kpa)
     rasters = write_geotiffs(survey.soil_map, land, out)
     report = write_report(survey, history, fits, out)
     result = {

@@ -29,11 +29,14 @@ class Material:
         Depth bands.
     refused
         What was left out, a line each.
+    simulated
+        Whether they are of a soil that was drawn.
     """
 
     samples: tuple[Sample, ...]
     layers: Layers
     refused: tuple[str, ...]
+    simulated: bool = False
 
     @property
     def at(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

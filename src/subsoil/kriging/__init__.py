@@ -1,7 +1,19 @@
-"""Ordinary kriging: conditioning, prediction, following readings, dense maps."""
+"""Kriging: conditioning, prediction, following readings, leaving them out, dense maps."""
 
 from subsoil.kriging.estimate import Estimate, over
+from subsoil.kriging.kriged import Kriged
+from subsoil.kriging.leave_one_out import LeaveOneOut, block_out, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging, condition
 from subsoil.kriging.prediction import Prediction
 
-__all__ = ["Estimate", "OrdinaryKriging", "Prediction", "condition", "over"]
+__all__ = [
+    "Estimate",
+    "Kriged",
+    "LeaveOneOut",
+    "OrdinaryKriging",
+    "Prediction",
+    "block_out",
+    "condition",
+    "leave_one_out",
+    "over",
+]

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
 from subsoil.kriging.drift import Covariate, leave_one_out_with
+from subsoil.kriging.leave_one_out import leave_one_out
 from subsoil.kriging.ordinary import condition
-from subsoil.scores import leave_one_out
 from subsoil.variogram import Fit
 
 Floats = NDArray[np.float64]
@@ -89,7 +89,7 @@ def learn(
     if not able.size:
         return Learnt(fits, ())
     rest = z.copy()
-    rest[able] = [_residuals(x, layer) for layer in z[able]]
+    rest[able] = [residuals(x, layer) for layer in z[able]]
     with_drift = estimator(at, rest)
     squares = np.stack(
         [_left_out(at, z[k], covariate, fits[k], with_drift[k]) for k in able.tolist()], axis=1
@@ -170,7 +170,7 @@ def _able(x: Floats, z: Floats) -> bool:
     return known.sum() >= FEWEST_SAMPLES and bool(np.ptp(x[known]) > 0 and np.ptp(z[known]) > 0)
 
 
-def _residuals(x: Floats, z: Floats) -> Floats:
+def residuals(x: Floats, z: Floats) -> Floats:
     """(n,) what is left of values after ordinary least squares on a covariate; NaN stays."""
     known = np.isfinite(z)
     away = x - x[known].mean()

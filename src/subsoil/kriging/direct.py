@@ -42,7 +42,7 @@ class Solution:
 
 def solved(system: System, targets: Floats) -> Solution:
     """Krige at (N, 2) targets, keeping what appending readings needs."""
-    readings, n = system.readings, len(system.readings)
+    readings = system.readings
     lag = lags(readings.at, targets)
     k = system.covariance(lag)
     e1 = readings.noise[:, :1]
@@ -50,7 +50,7 @@ def solved(system: System, targets: Floats) -> Solution:
     column = k[:, 1:]
     column += base[:, None]
     column += (system.base - system.covariance.origin[:, None] - e1)[:, 1:, None]
-    v = np.matmul(system.inverse.array[:, :, : n - 1], column)
+    v = system.whitened(column)
     mean = readings.z[:, :1] + _combined(system.y, v)
     variance = 2.0 * base - e1 - np.einsum("gnt,gnt->gt", v, v)
     reading, target = np.nonzero(lag == 0.0)

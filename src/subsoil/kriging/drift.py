@@ -25,10 +25,11 @@ from scipy.spatial import KDTree
 
 from subsoil.errors import ParameterError, SingularSystemError
 from subsoil.kriging.estimate import Estimate, fall
+from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
 from subsoil.kriging.system import System
-from subsoil.scores import LeaveOneOut, leave_one_out
+from subsoil.variogram import Variogram
 
 Floats = NDArray[np.float64]
 _ROUNDING = 1e-9
@@ -116,12 +117,11 @@ def regression(system: System, x: Floats) -> Regression:
     SingularSystemError
         If the covariate is the same at all readings.
     """
-    n = len(system.readings)
-    y = np.matmul(system.inverse.array[:, :, : n - 1], x[1:] - x[0])
+    y = system.whitened(x[1:] - x[0])
     information: Floats = np.einsum("gn,gn->g", y, y)
     if not information.all():
         raise SingularSystemError(
-            f"the covariate is the same at all {n} readings",
+            f"the covariate is the same at all {len(x)} readings",
             where="external drift",
             remedy="sample where it differs, or leave it out",
         )
@@ -134,7 +134,7 @@ def regression(system: System, x: Floats) -> Regression:
 class Drifted:
     """Kriging with external drift at fixed targets: an ordinary estimate and what drift adds.
 
-    Offers what :class:`~subsoil.kriging.estimate.Estimate` does, at the same cost.
+    A :class:`~subsoil.kriging.kriged.Kriged` at the cost of ordinary kriging.
 
     Attributes
     ----------
@@ -148,21 +148,31 @@ class Drifted:
     covariate: Covariate
 
     @property
-    def kriging(self) -> OrdinaryKriging:
-        """The readings conditioned on."""
-        return self.estimate.kriging
+    def at(self) -> Floats:
+        """(n, 2) distinct places of the readings in m."""
+        return self.estimate.at
+
+    @property
+    def targets(self) -> Floats:
+        """(N, 2) places kriged at in m."""
+        return self.estimate.targets
+
+    @property
+    def variograms(self) -> tuple[Variogram, ...]:
+        """The g models kriged with."""
+        return self.estimate.variograms
 
     @cached_property
     def regression(self) -> Regression:
         """How the layers follow the covariate."""
-        return regression(self.kriging.system, self.covariate(self.kriging.at))
+        return regression(self.estimate.kriging.system, self.covariate(self.at))
 
     @cached_property
     def residual(self) -> Floats:
         """(g, N) covariate at the targets minus what kriging makes of it from the readings'."""
-        x1 = self.covariate(self.kriging.at[:1])
+        x1 = self.covariate(self.at[:1])
         kriged = np.einsum("gn,gnt->gt", self.regression.y, self.estimate.v.array)
-        return np.asarray(self.covariate(self.estimate.targets) - x1 - kriged)
+        return np.asarray(self.covariate(self.targets) - x1 - kriged)
 
     @cached_property
     def prediction(self) -> Prediction:
@@ -171,7 +181,7 @@ class Drifted:
         each = len(found.slope) // len(e)
         mean = self.estimate.mean + found.slope[:, None] * np.repeat(e, each, axis=0)
         variance = self.estimate.variance + e**2 / found.information[:, None]
-        return self.kriging.prediction(mean, variance)
+        return self.estimate.kriging.prediction(mean, variance)
 
     def append(self, at: ArrayLike, z: ArrayLike, *, error_variance: ArrayLike = 0.0) -> Drifted:
         """Follow further readings; see :meth:`Estimate.append`."""
@@ -194,18 +204,31 @@ class Drifted:
             (k, N), or (m, k, N) for layers.
         """
         index = np.asarray(candidates, dtype=np.intp)
+        ok = self.estimate.kriging
+        joint = self.error_covariance(index)
+        return ok.shaped(fall(joint, index, ok.system.covariance.noise))
+
+    def error_covariance(
+        self, rows: NDArray[np.intp], columns: NDArray[np.intp] | slice = slice(None)
+    ) -> Floats:
+        """(g, k, l) covariance of the kriging errors, those of the slope included."""
         e = self.residual
-        joint = self.estimate.error_covariance(index)
-        joint += e[:, index, None] * e[:, None] / self.regression.information[:, None, None]
-        noise = self.kriging.system.covariance.noise
-        return self.kriging.shaped(fall(joint, index, noise))
+        joint = self.estimate.error_covariance(rows, columns)
+        of_slope = e[:, rows, None] * e[:, None, columns]
+        joint += of_slope / self.regression.information[:, None, None]
+        return joint
+
+    def leave_one_out(self) -> LeaveOneOut:
+        """Each reading predicted from the others, and from what they tell of the slope."""
+        return leave_one_out_with(self.covariate, self.estimate.kriging)
 
 
 def leave_one_out_with(covariate: Covariate, ok: OrdinaryKriging) -> LeaveOneOut:
     """Leave-one-out residuals and variances of kriging with external drift, in closed form.
 
-    As :func:`subsoil.scores.leave_one_out`, with B - B x x' B / (x' B x) for B. Residual and
-    variance are infinite where the other readings have one and the same value of the covariate.
+    As :func:`~subsoil.kriging.leave_one_out.leave_one_out`, with B - B x x' B / (x' B x) for B.
+    Residual and variance are infinite where the other readings have one and the same value of the
+    covariate.
 
     Raises
     ------
@@ -216,10 +239,9 @@ def leave_one_out_with(covariate: Covariate, ok: OrdinaryKriging) -> LeaveOneOut
     """
     plain, system = leave_one_out(ok), ok.system
     found = regression(system, covariate(ok.at))
-    w = system.inverse.array[:, :, : len(ok.at) - 1]
-    wy = np.matmul(w.transpose(0, 2, 1), found.y[:, :, None])[:, :, 0]
-    each = len(found.slope) // len(wy)
-    bx = np.repeat(np.concatenate([-wy.sum(axis=1, keepdims=True), wy], axis=1), each, axis=0)
+    bx = system.precision_times(found.y)
+    each = len(found.slope) // len(bx)
+    bx = np.repeat(bx, each, axis=0)
     information = np.repeat(found.information, each)[:, None]
     left = 1.0 - bx**2 * plain.variance / information
     known = left > _ROUNDING

@@ -10,17 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from subsoil.kriging.covariance import lags
 from subsoil.kriging.direct import pin, solved
+from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
 from subsoil.kriging.readings import checked_targets
 from subsoil.kriging.rows import Rows
+from subsoil.variogram import Variogram
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """Kriged mean and variance at (N, 2) targets, with what it takes to update them.
+    """Ordinary kriging at (N, 2) targets, with what it takes to update it.
 
     Made by :func:`over`. Appending a reading costs O(n^2 + n N) and equals starting again.
 
@@ -47,6 +49,16 @@ class Estimate:
     mean: Floats
     variance: Floats
     pins: NDArray[np.intp]
+
+    @property
+    def at(self) -> Floats:
+        """(n, 2) distinct places of the readings in m."""
+        return self.kriging.at
+
+    @property
+    def variograms(self) -> tuple[Variogram, ...]:
+        """The g models kriged with."""
+        return self.kriging.variograms
 
     @cached_property
     def prediction(self) -> Prediction:
@@ -104,17 +116,23 @@ class Estimate:
         noise = self.kriging.system.covariance.noise
         return self.kriging.shaped(fall(self.error_covariance(index), index, noise))
 
-    def error_covariance(self, index: NDArray[np.intp]) -> Floats:
-        """(g, k, N) covariance of the kriging errors at k of the targets with those at all.
+    def leave_one_out(self) -> LeaveOneOut:
+        """Each reading predicted from the others."""
+        return leave_one_out(self.kriging)
+
+    def error_covariance(
+        self, rows: NDArray[np.intp], columns: NDArray[np.intp] | slice = slice(None)
+    ) -> Floats:
+        """(g, k, l) covariance of the kriging errors at k of the targets with those at l.
 
         With the terms of :mod:`subsoil.kriging.system`: ``c(s, t) + b(s) + b(t) - (c(0) + e1) -
         v(s) . v(t)``; where s is t it is the kriging variance.
         """
         system, v = self.kriging.system, self.v.array
-        shift = self.base[:, index].T - (system.covariance.origin + system.readings.noise[:, 0])
-        joint = system.covariance(lags(self.targets[index], self.targets))
-        joint -= np.matmul(v[:, :, index].transpose(0, 2, 1), v)
-        joint += self.base[:, None, :]
+        shift = self.base[:, rows].T - (system.covariance.origin + system.readings.noise[:, 0])
+        joint = system.covariance(lags(self.targets[rows], self.targets[columns]))
+        joint -= np.matmul(v[:, :, rows].transpose(0, 2, 1), v[:, :, columns])
+        joint += self.base[:, None, columns]
         joint += shift.T[:, :, None]
         return joint
 

@@ -65,6 +65,30 @@ class System:
         scale: Floats = np.maximum(sill, (2.0 * self.base - e1).max(axis=1))
         return scale
 
+    @property
+    def factor(self) -> Floats:
+        """(g, n-1, n-1) W, read-only."""
+        return self.inverse.array[:, :, : len(self.readings) - 1]
+
+    def whitened(self, values: Floats) -> Floats:
+        """(g, n-1, ...) W times values (n-1, ...) or (g, n-1, ...) in differences to the first."""
+        columns = values[..., None] if values.ndim == 1 else values
+        product: Floats = np.matmul(self.factor, columns)
+        return product[..., 0] if values.ndim == 1 else product
+
+    def precision_times(self, whitened: Floats) -> Floats:
+        """(m, n) D' W' times whitened (m, n-1) values: B z, of all readings, of :attr:`y`."""
+        groups = len(self.base)
+        rows = whitened.reshape(groups, len(whitened) // groups, -1)
+        product = np.matmul(rows, self.factor).reshape(len(whitened), -1)
+        return np.concatenate([-product.sum(axis=1, keepdims=True), product], axis=1)
+
+    def precision_diagonal(self) -> Floats:
+        """(g, n) diagonal of B = D' W' W D: the inverse variances of readings given the others."""
+        squares = np.einsum("gij,gij->gj", self.factor, self.factor)
+        of_first = np.einsum("gi,gi->g", self.factor.sum(axis=2), self.factor.sum(axis=2))
+        return np.concatenate([of_first[:, None], squares], axis=1)
+
     def layers(self) -> list[slice]:
         """Layers that each of the g variograms is for."""
         m, g = len(self.readings.z), len(self.base)
@@ -96,7 +120,7 @@ class System:
         base = self.covariance.origin + e1 - k[:, 0]
         column = k[:, 1:] + self.base[:, 1:]
         column -= k[:, :1]
-        row = np.matmul(self.inverse.array[:, :, : n - 1], column[:, :, None])[:, :, 0]
+        row = np.matmul(self.factor, column[:, :, None])[:, :, 0]
         alone = 2.0 * base - e1 + noise
         pivot = alone - np.einsum("gn,gn->g", row, row)
         sound = lag.all() and (pivot > _least_pivot(n) * alone).all() and self.readings.leads(noise)
@@ -105,9 +129,10 @@ class System:
     def grown(self, border: Border, at: Floats, z: Floats, noise: Floats) -> System:
         """Return the system with one more reading, O(n^2); its border must be sound."""
         d, n = np.sqrt(border.pivot), len(self.readings)
-        w = self.inverse.array[:, :, : n - 1]
         inverse, last = self.inverse.grown(n)
-        np.divide(np.matmul(border.row[:, None, :], w)[:, 0], -d[:, None], out=last[:, : n - 1])
+        np.divide(
+            np.matmul(border.row[:, None, :], self.factor)[:, 0], -d[:, None], out=last[:, : n - 1]
+        )
         last[:, n - 1] = 1.0 / d
         last[:, n:] = 0.0
         y = (z - self.readings.z[:, 0] - (border.row * self.y).sum(axis=1)) / d

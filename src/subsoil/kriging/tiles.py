@@ -249,8 +249,8 @@ def _whole(system: System, shape: Shape, box: Box, origin: Floats) -> Tile:
     With v = U c + w, U = (-W 1, W) and w = W b, the mean is z1 + y . v and the variance
     2 c(0) + e1 - 2 c1 - |v|^2.
     """
-    readings, n = system.readings, len(system.readings)
-    inverse = system.inverse.array[0, :, : n - 1]
+    readings = system.readings
+    inverse = system.factor[0]
     u = np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
     w = inverse @ system.base[0, 1:]
     linear = 2.0 * (w @ u)

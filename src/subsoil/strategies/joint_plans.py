@@ -24,7 +24,6 @@ from subsoil.strategies.coverage import areas, carry_on, nearest_free
 from subsoil.strategies.exchange import Exchange
 from subsoil.strategies.replicates import replicated
 from subsoil.strategies.terms import Price, Terms
-from subsoil.strategies.value import local_sills
 from subsoil.strategies.view import Plan, View
 from subsoil.variogram.nested import Nested
 from subsoil.variogram.pooled import Pooled
@@ -106,7 +105,6 @@ def joint_adaptive(
     first_change: int = 6,
     reach_m: float = 25.0,
     most_pushes: int = 1,
-    weights: str = "equal",
 ) -> Plan:
     """Stops and way chosen together, and again after every sample.
 
@@ -127,16 +125,12 @@ def joint_adaptive(
         Distance in m by which a stop may move at a time.
     most_pushes
         As in :func:`joint`.
-    weights
-        How much the variance of a cell counts: ``"equal"`` for all the same, ``"value"`` by the
-        local sill (:mod:`subsoil.strategies.value`).
 
     Raises
     ------
     ParameterError
-        As :func:`joint`, and if there are no such weights.
+        As :func:`joint`.
     """
-    _check_weights(weights)
     if view.fresh or not (view.plan or view.visited):
         return joint(
             view,
@@ -148,7 +142,7 @@ def joint_adaptive(
     price, clock = _price(way, price_per_m, sweeps), Clock(view)
     if len(view.visited) < first_change and not clock.is_ticking:
         return carry_on(view)
-    search = _exchange(view, designs_for(view, weights), view.plan, price)
+    search = _exchange(view, designs_for(view), view.plan, price)
     _suit_to_time(search, clock, view.remaining)
     if not search.route:
         return Plan((), "the limits leave no room for another stop")
@@ -195,10 +189,9 @@ class Clock:
         return int(min(self._seconds / self._stop, wanted))
 
 
-def designs_for(view: View, weights: str = "equal") -> Designs:
+def designs_for(view: View) -> Designs:
     """Judge of designs on a view's field, under what is known of its correlogram."""
-    counts = local_sills(view) if weights == "value" else np.ones(len(view.field.cells))
-    return Designs(view.field, _correlogram(view), counts)
+    return Designs(view.field, _correlogram(view), np.ones(len(view.field.cells)))
 
 
 def _correlogram(view: View) -> Nested:
@@ -271,15 +264,6 @@ def _price(way: float, price_per_m: float, sweeps: int) -> Price:
     if sweeps < 1:
         raise ParameterError(f"{sweeps} sweeps find nothing", where="strategy joint, sweeps")
     return Price(per_m=price_per_m) if price_per_m else Price(elasticity=_ELASTICITY)
-
-
-def _check_weights(weights: str) -> None:
-    if weights not in ("equal", "value"):
-        raise ParameterError(
-            f"there are no weights {weights!r}",
-            where="strategy joint-adaptive",
-            remedy="use equal or value",
-        )
 
 
 def _reason(search: Exchange, what: str) -> str:
