@@ -5,20 +5,24 @@ TEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
 BIN = .venv/bin
 READY = .venv/.ready
 
-.PHONY: demo test check bench clean
+.PHONY: demo test test-all check bench clean
 
 demo: $(READY)
 	$(BIN)/subsoil demo --out demo --overwrite
 	@echo "Open demo/report.html; demo/survey.gpkg opens in QGIS."
 
 test: $(READY)
+	$(TEST) -m "not gis"
+
+test-all: $(READY)
+	tools/install_system.sh
 	$(TEST)
 
 check: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(TEST) -m "not slow"
+	$(TEST) -m "not slow and not gis"
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks

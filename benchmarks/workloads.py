@@ -171,40 +171,35 @@ def dense_gstools(share: float) -> Result:
 
 def survey_step() -> Result:
     """One survey step at n = 30 on 936 cells: take a sample in, refit, krige, plan, route."""
+    from subsoil.agent import Assignment, drive
     from subsoil.bench.world import TruthReader
-    from subsoil.dispatch import LocalDispatch, drive
-    from subsoil.events import Configured, Event
     from subsoil.penetrometer import LARGE_CONE
     from subsoil.simulation import test_bed
-    from subsoil.survey import Survey, apply, opened, opening
+    from subsoil.survey import LocalDispatch, Memory, Settings, opened, opening
+    from subsoil.survey.events import Configured
 
     truth = test_bed(np.random.default_rng(1000))
-    settings = Configured(
-        strategy="adaptive-monte-carlo", estimator="paper-10", refit_every=1, seed=1,
-        start=(0.0, 0.0), world="test-bed", samples=31, metres=np.inf, minutes=np.inf, mean_kv=0.0,
-    )  # fmt: skip
-    state = apply(opened(opening(truth.field, truth.layers, LARGE_CONE)), settings)
+    settings = Settings(
+        start=(0.0, 0.0), strategy="adaptive-monte-carlo", estimator="paper-10", seed=1, samples=31
+    )
     times: list[float] = []
 
     class Watched(TruthReader):
         """Robot that notes when it is sent and when it is done."""
 
-        def go_to(self, at: tuple[float, float]):  # type: ignore[no-untyped-def]
+        def go_to(self, stop: Assignment):  # type: ignore[no-untyped-def]
             times.append(time.perf_counter())
-            return super().go_to(at)
+            return super().go_to(stop)
 
         def probe(self):  # type: ignore[no-untyped-def]
             push = super().probe()
             times.append(time.perf_counter())
             return push
 
-    class Forgetful:
-        """Recorder that keeps nothing: only the survey's own work is timed."""
-
-        def append(self, event: Event, survey: Survey) -> None:
-            pass
-
-    drive("reader", Watched(truth, (0.0, 0.0)), LocalDispatch(state, Forgetful()))
+    dispatch = LocalDispatch(opened(opening(truth.field, truth.layers, LARGE_CONE)), Memory())
+    dispatch.record(Configured(settings=settings))
+    dispatch.join("reader")
+    drive("reader", Watched(truth, (0.0, 0.0)), dispatch)
     steps = [after - before for before, after in zip(times[1::2], times[2::2], strict=False)]
     return Result(median(steps[-5:]), goal="<= 0.050 s", note="median of the last five of 31 steps")
 
@@ -254,8 +249,17 @@ def importing() -> Result:
     return Result(full - bare, goal="<= 0.5 s")
 
 
+def importing_agent() -> Result:
+    """``import subsoil.agent`` in a fresh Python, that of Python itself taken off."""
+    bare = best_of(5, lambda: subprocess.run([sys.executable, "-c", ""], check=True))
+    call = [sys.executable, "-c", "import subsoil.agent"]
+    return Result(best_of(5, lambda: subprocess.run(call, check=True)) - bare, goal="<= 0.12 s")
+
+
 def workloads(share: float) -> dict[str, Callable[[], Result]]:
     """Every workload by name; share is how much of a dense map slow peers get to do."""
+    from benchmarks import journal
+
     return {
         "W1 online": online,
         "W2 dense, exponential": lambda: dense(Exponential, share),
@@ -265,6 +269,12 @@ def workloads(share: float) -> dict[str, Callable[[], Result]]:
         "tour 50 stops": lambda: tour(50),
         "tour 200 stops": lambda: tour(200),
         "tour 1000 stops": lambda: tour(1000),
+        "record 500 readings": lambda: journal.build(500),
+        "record 2000 readings": lambda: journal.build(2000),
+        "keep an event at 2000": lambda: journal.event(2000),
+        "verify 500 readings": lambda: journal.check(500),
+        "verify 2000 readings": lambda: journal.check(2000),
         "import subsoil": importing,
+        "import subsoil.agent": importing_agent,
         "subsoil demo": demonstration,
     }

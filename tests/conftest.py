@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 import pytest
 
-from subsoil.events import Configured, Opened
+from subsoil.agent import drive
+from subsoil.cli.worlds import robot_of
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
-from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate
-from subsoil.survey import Survey, opening
+from subsoil.registry import module_of
+from subsoil.reports import Source
+from subsoil.simulation import Truth, simulate
+from subsoil.survey import LocalDispatch, Memory, Settings, Survey, opened, opening
+from subsoil.survey.events import Configured, Event, Opened, Simulation
 
 
 @pytest.fixture(scope="session")
@@ -34,7 +38,12 @@ def plot_truth(plot: Field) -> Truth:
     return simulate(plot, np.random.default_rng(1))
 
 
-Configure = Callable[..., Configured]
+class Configure(Protocol):
+    """How to survey the plot, some settings changed."""
+
+    def __call__(
+        self, strategy: str = ..., samples: int = ..., seed: int = ..., **changes: Any
+    ) -> Configured: ...
 
 
 @pytest.fixture(scope="session")
@@ -42,28 +51,48 @@ def configured() -> Configure:
     """How to survey the plot."""
 
     def configure(
-        strategy: str = "adaptive-monte-carlo", samples: int = 8, seed: int = 3
+        strategy: str = "adaptive-monte-carlo", samples: int = 8, seed: int = 3, **changes: Any
     ) -> Configured:
-        return Configured(
-            strategy=strategy, estimator="paper-10", refit_every=1, seed=seed, start=(0.0, 0.0),
-            world="simulated", samples=samples, metres=math.inf, minutes=math.inf, mean_kv=0.0,
-        )  # fmt: skip
+        settings = Settings(
+            start=(0.0, 0.0), strategy=strategy, estimator="paper-10", seed=seed, samples=samples
+        )
+        return Configured(settings=settings.model_copy(update=changes))
 
     return configure
 
 
+Work = Callable[[LocalDispatch, Truth], str]
+
+
 @pytest.fixture(scope="session")
-def robot_at() -> Callable[[Survey, Truth], SimulatedRobot]:
-    """Simulated robot that goes on where a survey stands."""
+def work() -> Work:
+    """Let a simulated robot work on a survey to its end."""
 
-    def make(survey: Survey, truth: Truth) -> SimulatedRobot:
-        machine = Machine(survey.cone)
-        return SimulatedRobot(
-            truth, machine, seed=survey.configured.seed, position=survey.position,
-            stop=survey.step, pushed=survey.pushed, battery_s=machine.battery_s - survey.seconds,
-        )  # fmt: skip
+    def work_on(dispatch: LocalDispatch, truth: Truth) -> str:
+        seed = dispatch.survey.settings.seed
+        dispatch.join("robot", "simulator", simulation=Simulation(world="simulated", seed=seed))
+        robot = robot_of(dispatch.survey, truth, name="robot")
+        return drive("robot", robot, dispatch, source=Source(kind="simulator"))
 
-    return make
+    return work_on
+
+
+SurveyPlot = Callable[..., tuple[Survey, list[Event]]]
+
+
+@pytest.fixture
+def survey_plot(plot_opened: Opened, plot_truth: Truth, work: Work) -> SurveyPlot:
+    """Survey the plot, or go on with its survey; the state it ends in, and its events."""
+
+    def survey(settings: Configured, start: Survey | None = None) -> tuple[Survey, list[Event]]:
+        memory = Memory()
+        allowed = module_of(settings.settings.strategy)
+        dispatch = LocalDispatch(start or opened(plot_opened), memory, allowed=allowed)
+        dispatch.record(settings)
+        work(dispatch, plot_truth)
+        return dispatch.survey, [plot_opened, *memory.events]
+
+    return survey
 
 
 @pytest.fixture(scope="session")

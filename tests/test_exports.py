@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 import subsoil
 
 EXPORTED = {
@@ -21,7 +23,22 @@ def test_the_package_exports_exactly_these_names() -> None:
 
 
 def test_importing_the_package_loads_none_of_the_edges() -> None:
-    edges = "{'typer', 'rich', 'matplotlib', 'rasterio', 'xarray', 'pydantic', 'pandas', 'yaml'}"
-    code = f"import sys, subsoil; print(*({edges} & set(sys.modules)))"
+    everything = "[getattr(subsoil, name) for name in subsoil.__all__]"
+    edges = "{'typer', 'rich', 'matplotlib', 'rasterio', 'xarray', 'pandas', 'yaml'}"
+    code = f"import sys, subsoil; {everything}; print(*({edges} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
+
+
+@pytest.mark.parametrize("module", ["subsoil", "subsoil.agent", "subsoil.reports"])
+def test_what_runs_on_a_robot_loads_no_mathematics(module: str) -> None:
+    heavy = "{'scipy', 'shapely', 'pyproj', 'numpy'}"
+    code = f"import sys, {module}; print(*({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_a_name_that_the_package_does_not_offer_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'krig'"):
+        subsoil.krig  # noqa: B018
+    assert set(subsoil.__all__) <= set(dir(subsoil))

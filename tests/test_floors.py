@@ -12,12 +12,13 @@ import subsoil
 PACKAGE = Path(subsoil.__file__).parent
 
 FLOORS: dict[str, int] = {
-    "errors": 1, "frames": 1, "outline": 1, "field": 1, "penetrometer": 1, "layers": 1,
+    "errors": 1, "registry": 1, "reports": 1, "agent": 1, "frames": 1, "outline": 1, "field": 1,
+    "penetrometer": 1, "layers": 1,
     "variogram": 2, "kriging": 2, "soilmap": 2, "scores": 2, "uncertainty": 2,
-    "travel": 3, "routing": 3, "tours": 3, "stopping": 3, "strategies": 3,
-    "robot": 4, "simulation": 4,
-    "events": 5, "survey": 5, "sequel": 5, "dispatch": 5, "geopackage": 5, "layout": 5,
-    "journal": 5, "verification": 5, "ownership": 5,
+    "travel": 3, "tours": 3, "routing": 3, "stopping": 3, "strategies": 3,
+    "simulation": 4,
+    "survey": 5,
+    "journal": 5,
     "io": 6, "datasets": 6, "plots": 6, "report": 6, "bench": 6, "cli": 6, "__main__": 6,
 }  # fmt: skip
 EDGE_LIBRARIES = {

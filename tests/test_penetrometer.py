@@ -10,7 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsoil.errors import ParameterError, ReadingsError
-from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, Cone, Insertion, profile
+from subsoil.penetrometer import (
+    LARGE_CONE,
+    SMALL_CONE,
+    Cone,
+    Insertion,
+    faults,
+    flags_of,
+    profile,
+    profile_of,
+)
+from subsoil.reports import Reading, Tip
 
 DEPTH = np.array([0.025, 0.05, 0.075])
 
@@ -83,18 +93,67 @@ def test_depths_must_be_numbers_that_increase_from_the_surface(depth: list[float
         profile(depth, [1.0, 2.0, 3.0])
 
 
-@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])
+@pytest.mark.parametrize("value", [-401.0, math.nan, math.inf])
 def test_a_pressure_that_is_none_is_refused_at_its_depth(value: float) -> None:
     with pytest.raises(ReadingsError, match=r"pressure is .* at 0\.050 m"):
         profile(DEPTH, [1.0, value, 3.0])
 
 
 def test_a_force_that_is_none_is_refused_at_its_depth() -> None:
-    with pytest.raises(ReadingsError, match=r"force is -5 at 0\.075 m"):
-        Insertion(DEPTH, np.array([1.0, 2.0, -5.0]))
+    with pytest.raises(ReadingsError, match=r"force is -51 at 0\.075 m"):
+        Insertion(DEPTH, np.array([1.0, 2.0, -51.0]))
 
 
 @pytest.mark.parametrize("kpa", [[1.0], [[1.0, 2.0, 3.0]]])
 def test_every_reading_needs_its_depth(kpa: object) -> None:
     with pytest.raises(ReadingsError, match=r"3 depths do not pair with \d pressure readings"):
         profile(DEPTH, kpa)  # type: ignore[arg-type]
+
+
+def test_a_load_cell_that_drifted_below_zero_is_flagged_and_counts_as_it_is() -> None:
+    reading = Reading(depth_m=(0.1, 0.2), force_n=(-2.0, 26.0))
+    assert flags_of(reading) == ("below-zero",)
+    assert profile_of(reading, SMALL_CONE).kpa == pytest.approx([-2000 / 130, 200.0])
+
+
+def test_what_a_bouncing_rod_reads_in_its_own_hole_does_not_count() -> None:
+    reading = Reading(
+        depth_m=(-0.01, 0.05, 0.10, 0.07, 0.10, 0.15), force_n=(0.0, 13.0, 26.0, 1.0, 2.0, 39.0)
+    )
+    assert flags_of(reading) == ("bounced",)
+    profile = profile_of(reading, SMALL_CONE)
+    assert profile.depth_m.tolist() == [0.05, 0.10, 0.15]
+    assert profile.kpa == pytest.approx([100.0, 200.0, 300.0])
+
+
+def test_a_reading_of_pressure_needs_no_cone_and_one_of_force_may_bring_its_own() -> None:
+    assert profile_of(Reading(depth_m=(0.1,), kpa=(700.0,)), SMALL_CONE).kpa.tolist() == [700.0]
+    own = Reading(depth_m=(0.1,), force_n=(323.0,), tip=Tip(area_mm2=323.0))
+    assert profile_of(own, SMALL_CONE).kpa == pytest.approx([1000.0])
+
+
+@pytest.mark.parametrize(
+    ("reading", "words"),
+    [
+        (Reading(depth_m=(0.1,), force_n=(1e300,)), "force is 1e+300 N at 0.100 m"),
+        (Reading(depth_m=(0.1,), force_n=(math.nan,)), "force is nan N"),
+        (Reading(depth_m=(0.1,), force_n=(14_000.0,)), "a load cell says -50 to 13000"),
+        (Reading(depth_m=(0.1,), kpa=(2e5,)), "pressure is 200000 kPa"),
+        (Reading(depth_m=(0.1,), kpa=(-500.0,)), "pressure is -500 kPa"),
+        (Reading(depth_m=(0.1, 0.2), force_n=(1.0,)), "2 depths do not pair with 1 readings"),
+        (Reading(depth_m=(0.1,), force_n=(1.0,), kpa=(1.0,)), "it gives both"),
+        (Reading(depth_m=(0.1,)), "it gives neither force nor pressure"),
+        (Reading(depth_m=(10.0, 20.0), kpa=(1.0, 2.0)), "they are in m, positive down"),
+        (Reading(depth_m=(math.inf,), kpa=(1.0,)), "they are in m, positive down"),
+        (Reading(depth_m=(0.1,), force_n=(1.0,), tip=Tip(area_mm2=0.0)), "a cone of 0 mm2"),
+    ],
+)
+def test_what_no_penetrometer_says_is_named(reading: Reading, words: str) -> None:
+    assert words in faults(reading, SMALL_CONE)
+    with pytest.raises(ReadingsError):
+        profile_of(reading, SMALL_CONE)
+
+
+def test_a_push_that_read_nothing_is_no_fault() -> None:
+    assert faults(Reading(depth_m=()), SMALL_CONE) == ""
+    assert profile_of(Reading(depth_m=()), SMALL_CONE).depth_m.size == 0

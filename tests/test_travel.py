@@ -16,18 +16,18 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from subsoil.events import Configured, Planned
+from subsoil.agent import Arrival, Assignment
 from subsoil.field import Field
-from subsoil.geopackage import initialise
+from subsoil.journal.geopackage import geometry_of, initialise
+from subsoil.journal.gis import NOTHING_DRAWN, create, draw_targets
 from subsoil.layers import Layers, Sample
-from subsoil.layout import create, draw
 from subsoil.outline import Area
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.plots.album import way as drawn_way
-from subsoil.sequel import view
 from subsoil.simulation import Machine, SimulatedRobot, simulate
 from subsoil.soilmap import SoilMap
-from subsoil.survey import apply, opened, opening
+from subsoil.survey import apply, opened, opening, view
+from subsoil.survey.events import Configured, Planned
 from subsoil.travel import Travel, travel_of
 from subsoil.variogram import Spherical
 
@@ -230,11 +230,14 @@ def test_the_simulated_robot_drives_around_a_keep_out_and_its_battery_and_clock_
     soil = simulate(SHED, np.random.default_rng(1))
     machine = Machine(SMALL_CONE, speed_mps=0.5)
     robot = SimulatedRobot(soil, machine, seed=1, position=(20.0, 25.0))
-    arrival = robot.go_to((80.0, 25.0))
+    arrival = robot.go_to(Assignment("a", 0, 0, (80.0, 25.0)))
+    assert isinstance(arrival, Arrival)
     around = 2 * np.hypot(20, 5) + 20
     assert (arrival.metres, arrival.seconds) == pytest.approx((around, 2 * around))
     assert robot.battery_s == pytest.approx(machine.battery_s - 2 * around)
-    assert robot.go_to((80.0, 55.0)).metres == 30.0
+    north = robot.go_to(Assignment("b", 1, 0, (80.0, 55.0)))
+    assert isinstance(north, Arrival)
+    assert north.metres == 30.0
 
 
 def test_the_route_in_the_survey_file_goes_around_a_keep_out(
@@ -247,11 +250,12 @@ def test_the_route_in_the_survey_file_goes_around_a_keep_out(
     with closing(sqlite3.connect(":memory:")) as database:
         srs = initialise(database, "")
         create(database, srs, state)
-        draw(database, srs, planned, state)
-        ((blob, length),) = database.execute("SELECT geom, metres FROM route").fetchall()
-    route = shapely.get_coordinates(shapely.from_wkb(blob[8:]))
-    assert route.tolist() == [[0, 0], [27.5, 27.5], [40, 20], [60, 20], [82.5, 27.5]]
-    assert length == pytest.approx(metres(route))
+        draw_targets(database, srs, state, NOTHING_DRAWN)
+        legs = database.execute("SELECT geom, metres FROM route ORDER BY stop").fetchall()
+    first, second = (shapely.get_coordinates(geometry_of(blob)) for blob, _ in legs)
+    assert first.tolist() == [[0, 0], [27.5, 27.5]]
+    assert second.tolist() == [[27.5, 27.5], [40, 20], [60, 20], [82.5, 27.5]]
+    assert legs[1][1] == pytest.approx(metres(second))
 
 
 def test_the_way_in_a_figure_goes_around_a_keep_out() -> None:

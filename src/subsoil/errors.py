@@ -7,6 +7,8 @@
     │   ├── BoundaryError            a field outline
     │   ├── ReadingsError            readings of an instrument or robot
     │   ├── ParameterError           a parameter of a function or the command line
+    │   │   └── NotAllowedError          code named by a file, which the user did not allow
+    │   ├── ReportError              what an agent says and that cannot be taken
     │   └── MissingExtraError        an optional library is not installed
     ├── KrigingError             exit code 3   a system that has no answer
     │   └── SingularSystemError      not positive definite
@@ -75,6 +77,14 @@ class ReadingsError(InputError):
 
 class ParameterError(InputError):
     """A parameter is outside what it may be."""
+
+
+class NotAllowedError(ParameterError):
+    """A file names code to run, and the user did not allow it."""
+
+
+class ReportError(InputError):
+    """A report or a request of an agent cannot be taken; the survey is as it was before."""
 
 
 class MissingExtraError(InputError):

@@ -8,16 +8,23 @@ here assumes one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ParameterError, ReadingsError
+from subsoil.reports import Ending, Reading, Tip
 
 Floats = NDArray[np.float64]
-Ending = Literal["stroke", "force"]
-"""Why a push ended: the rod reached the end of its stroke, or the force its limit."""
+
+SLIGHT_N, SLIGHT_KPA = 50.0, 400.0
+"""How far below zero a force or pressure may be: a load cell drifts by as much after its tare."""
+HARDEST_N, HARDEST_KPA = 200_000.0, 100_000.0
+"""Force and pressure that no penetrometer measures."""
+DEEPEST_M = 3.0
+"""Depth that no penetrometer reaches."""
+BOUNCED, BELOW_ZERO = "bounced", "below-zero"
+"""Flags of readings whose rod went up again on its way, and whose force was below zero."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +101,7 @@ class Insertion:
     ending: Ending = "stroke"
 
     def __post_init__(self) -> None:
-        _check_series(self.depth_m, self.force_n, "force")
+        _check_series(self.depth_m, self.force_n, "force", SLIGHT_N)
 
     def profile(self, cone: Cone) -> Profile:
         """Cone index by depth under this cone."""
@@ -122,7 +129,100 @@ class Profile:
     ending: Ending = "stroke"
 
     def __post_init__(self) -> None:
-        _check_series(self.depth_m, self.kpa, "pressure")
+        _check_series(self.depth_m, self.kpa, "pressure", SLIGHT_KPA)
+
+
+def reading_of(insertion: Insertion) -> Reading:
+    """Return a push as plain data."""
+    return Reading(
+        depth_m=tuple(insertion.depth_m.tolist()),
+        force_n=tuple(insertion.force_n.tolist()),
+        ending=insertion.ending,
+    )
+
+
+def profile_of(reading: Reading, cone: Cone) -> Profile:
+    """Cone index by depth of a reading.
+
+    Where the rod went up again, what it read until it was deeper than ever before does not count:
+    it was in its own hole.
+
+    Parameters
+    ----------
+    reading
+        What the instrument saw.
+    cone
+        What it was measured with, where the reading does not say.
+
+    Raises
+    ------
+    ReadingsError
+        If :func:`faults` finds any.
+
+    Examples
+    --------
+    >>> bounced = Reading(depth_m=(0.01, 0.02, 0.015, 0.03), force_n=(13.0, 26.0, 1.0, 39.0))
+    >>> profile_of(bounced, SMALL_CONE).kpa
+    array([100., 200., 300.])
+    """
+    if fault := faults(reading, cone):
+        raise ReadingsError(fault, where="reading")
+    depth = np.array(reading.depth_m)
+    return Profile(depth[_new(depth)], _kpa(reading, cone)[_new(depth)], reading.ending)
+
+
+def flags_of(reading: Reading) -> tuple[str, ...]:
+    """What is odd about a reading, beside what it says itself."""
+    depth = np.array(reading.depth_m)
+    found = dict.fromkeys(reading.flags)
+    if not _new(depth).all():
+        found[BOUNCED] = None
+    if any(value < 0 for value in (*reading.force_n, *reading.kpa)):
+        found[BELOW_ZERO] = None
+    return tuple(found)
+
+
+def faults(reading: Reading, cone: Cone) -> str:
+    """Why a reading cannot be true; empty if it can."""
+    tip, values = reading.tip or cone, reading.force_n or reading.kpa
+    if bool(reading.force_n) == bool(reading.kpa) and reading.depth_m:
+        return "it gives neither force nor pressure" if not values else "it gives both"
+    if len(values) != len(reading.depth_m):
+        return f"{len(reading.depth_m)} depths do not pair with {len(values)} readings"
+    if not (np.isfinite(tip.area_mm2) and tip.area_mm2 > 0):
+        return f"a cone of {tip.area_mm2:g} mm2 measures nothing"
+    depth = np.array(reading.depth_m)
+    if not np.isfinite(depth).all() or (np.abs(depth) > DEEPEST_M).any():
+        return f"depths are not all within {DEEPEST_M:g} m: they are in m, positive down"
+    return _wrong_values(reading, tip)
+
+
+def _wrong_values(reading: Reading, tip: Cone | Tip) -> str:
+    """Which force or pressure no load cell says."""
+    name, unit = ("force", "N") if reading.force_n else ("pressure", "kPa")
+    values = np.array(reading.force_n or reading.kpa)
+    least, most = (SLIGHT_N, HARDEST_N) if reading.force_n else (SLIGHT_KPA, HARDEST_KPA)
+    if reading.force_n:
+        most = min(most, HARDEST_KPA * tip.area_mm2 / 1000.0)
+    wrong = np.flatnonzero(~((values >= -least) & (values <= most)))
+    if not wrong.size:
+        return ""
+    return (
+        f"{name} is {values[wrong[0]]:g} {unit} at {reading.depth_m[wrong[0]]:.3f} m, "
+        f"and a load cell says {-least:g} to {most:g}"
+    )
+
+
+def _kpa(reading: Reading, cone: Cone) -> Floats:
+    if reading.kpa:
+        return np.array(reading.kpa)
+    return np.array(reading.force_n) / (reading.tip or cone).area_mm2 * 1000.0
+
+
+def _new(depth: Floats) -> NDArray[np.bool_]:
+    """(k,) whether the rod was deeper than ever before, in the ground."""
+    before = np.concatenate([[-np.inf], np.maximum.accumulate(depth)[:-1]])
+    return (depth > before) & (depth >= 0)
 
 
 def profile(depth_m: ArrayLike, kpa: ArrayLike, ending: Ending = "stroke") -> Profile:
@@ -131,12 +231,12 @@ def profile(depth_m: ArrayLike, kpa: ArrayLike, ending: Ending = "stroke") -> Pr
     Raises
     ------
     ReadingsError
-        If depths do not increase, lengths differ, or a value is not finite or is negative.
+        If depths do not increase, lengths differ, or a value is not finite or clearly below zero.
     """
     return Profile(np.array(depth_m, dtype=float), np.array(kpa, dtype=float), ending)
 
 
-def _check_series(depth_m: Floats, values: Floats, name: str) -> None:
+def _check_series(depth_m: Floats, values: Floats, name: str, slight: float) -> None:
     for array in (depth_m, values):
         array.setflags(write=False)
     if depth_m.ndim != 1 or depth_m.shape != values.shape:
@@ -150,7 +250,7 @@ def _check_series(depth_m: Floats, values: Floats, name: str) -> None:
             "depths must increase downwards from the surface",
             remedy="give depth in metres, positive down, shallowest first",
         )
-    bad = np.flatnonzero(~np.isfinite(values) | (values < 0))
+    bad = np.flatnonzero(~np.isfinite(values) | (values < -slight))
     if bad.size:
         raise ReadingsError(
             f"{name} is {values[bad[0]]:g} at {depth_m[bad[0]]:.3f} m",

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from subsoil.agent import Assignment
 from subsoil.bench import Entrant, Result, Row, Series, Setting, Task, scored, truth_of
 from subsoil.bench.scoring import Scorer, kv_error_correlation, surveyed
 from subsoil.bench.task import (
@@ -19,6 +20,7 @@ from subsoil.bench.task import (
 )
 from subsoil.bench.world import TruthReader
 from subsoil.errors import ParameterError, SubsoilError
+from subsoil.penetrometer import LARGE_CONE, profile_of
 from subsoil.scores import rmse
 from subsoil.simulation import test_bed
 
@@ -120,11 +122,10 @@ def test_a_reading_is_the_truth_of_the_cell(area_split: Task) -> None:
     robot = TruthReader(truth, (0.0, 0.0))
     cell = 50
     east, north = truth.field.cells[cell].tolist()
-    assert robot.go_to((east, north)).metres == pytest.approx(np.hypot(east, north))
+    stop = Assignment("a", 0, cell, (east, north))
+    assert robot.go_to(stop).metres == pytest.approx(np.hypot(east, north))
     push = robot.probe()
-    from subsoil.penetrometer import LARGE_CONE
-
-    sample = truth.layers.sample(push.insertion.profile(LARGE_CONE), push.at)
+    sample = truth.layers.sample(profile_of(push.reading, LARGE_CONE), push.at)
     assert sample.kpa == pytest.approx(truth.reading(cell))
 
 

@@ -209,7 +209,7 @@ def test_a_changed_survey_file_is_found(cli: Cli, tmp_path: Path, outline: Path)
     database.close()
     outcome = cli("verify", path, "--json")
     assert outcome.code == 1
-    assert "samples layer" in outcome.json["findings"][0]
+    assert "layer samples: kpa_0_5cm of row" in outcome.json["findings"][0]
 
 
 def test_a_full_disk_is_one_line_and_loses_nothing(tmp_path: Path, outline: Path) -> None:

@@ -98,7 +98,8 @@ def test_status_draws_what_more_would_buy(cli: Cli, survey: Path, tmp_path: Path
 
 def test_status_warns_of_variograms_that_are_too_sure(cli: Cli, survey: Path) -> None:
     cli("run", survey, "--strategy", "area-split", "--samples", 5, "--estimator", "paper-10")
-    (note,) = cli("status", survey, "--json").json["notes"]
+    simulated, note = cli("status", survey, "--json").json["notes"]
+    assert simulated.startswith("simulated: ")
     assert note.startswith("least-squares variograms")
     cli("run", survey, "--strategy", "area-split", "--samples", 6, "--estimator", "pmc")
-    assert cli("status", survey, "--json").json["notes"] == []
+    assert cli("status", survey, "--json").json["notes"] == [simulated]

@@ -6,22 +6,14 @@ from collections.abc import Callable
 
 import pytest
 
-from subsoil.dispatch import LocalDispatch, drive
-from subsoil.events import Configured, Event, Opened, Planned
 from subsoil.report import Progress
 from subsoil.scores import rmse
-from subsoil.simulation import SimulatedRobot, Truth
-from subsoil.survey import Survey, apply, estimator_of, opened
+from subsoil.simulation import Truth
+from subsoil.survey import LocalDispatch, Memory, Survey, fits_of, opened
+from subsoil.survey.events import Configured, Event, Opened, Planned
 from subsoil.variogram import Fit
 
 SAMPLES = 8
-
-
-class Forgetful:
-    """Recorder that keeps nothing."""
-
-    def append(self, event: Event, survey: Survey) -> None:
-        pass
 
 
 @pytest.fixture(scope="session")
@@ -29,18 +21,18 @@ def done(
     plot_opened: Opened,
     plot_truth: Truth,
     configured: Callable[..., Configured],
-    robot_at: Callable[[Survey, Truth], SimulatedRobot],
+    work: Callable[[LocalDispatch, Truth], str],
 ) -> tuple[Survey, tuple[Progress, ...]]:
     """Eight samples on the plot, and how that went."""
     history: list[Progress] = []
 
     def follow(survey: Survey, event: Event) -> None:
-        if isinstance(event, Planned) and survey.visited:
+        if isinstance(event, Planned) and survey.taken:
             history.append(_progress(survey, plot_truth))
 
-    begun = apply(opened(plot_opened), configured(samples=SAMPLES))
-    dispatch = LocalDispatch(begun, Forgetful(), follow)
-    drive("robot", robot_at(begun, plot_truth), dispatch)
+    dispatch = LocalDispatch(opened(plot_opened), Memory(), follow)
+    dispatch.record(configured(samples=SAMPLES))
+    work(dispatch, plot_truth)
     history.append(_progress(dispatch.survey, plot_truth))
     return dispatch.survey, tuple(history)
 
@@ -60,7 +52,7 @@ def history(done: tuple[Survey, tuple[Progress, ...]]) -> tuple[Progress, ...]:
 @pytest.fixture(scope="session")
 def fits(survey: Survey) -> tuple[Fit, ...]:
     """Fits of its variograms."""
-    return estimator_of(survey)(survey.soil_map.at, survey.soil_map.kpa)
+    return fits_of(survey)
 
 
 def _progress(survey: Survey, truth: Truth) -> Progress:

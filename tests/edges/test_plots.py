@@ -20,7 +20,6 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from subsoil.errors import MissingExtraError, ParameterError, ReadingsError
-from subsoil.events import Opened, Refused
 from subsoil.field import Field
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.plots import (
@@ -36,8 +35,10 @@ from subsoil.plots import (
 from subsoil.plots.album import way
 from subsoil.plots.sheet import sheet
 from subsoil.report import Progress
+from subsoil.reports import Refused
 from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey, apply, opened
+from subsoil.survey.events import Configured, Opened
 from subsoil.variogram import BoundedLinear, Fit, LeastSquares, Spherical, Variogram
 
 FIELD = Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)], name="plot")
@@ -177,7 +178,7 @@ def test_a_sample_is_drawn_by_what_it_knows_of_the_layer() -> None:
 
 def test_the_way_goes_from_the_start_through_all_samples_in_order(survey: Survey) -> None:
     places = way(survey)
-    assert places[0].tolist() == list(survey.configured.start)
+    assert places[0].tolist() == list(survey.settings.start)
     np.testing.assert_array_equal(places[1:], survey.soil_map.at)
     figure = depth_slices(survey.soil_map, FIELD, way=places)
     for axes in panels(figure, 8):
@@ -218,10 +219,10 @@ def test_every_picture_says_what_the_survey_cost(
 def test_the_first_samples_of_a_survey_can_be_drawn(
     survey: Survey, history: History, samples: int, plot_opened: Opened
 ) -> None:
-    changed = apply(opened(plot_opened), survey.settings[0])
+    changed = apply(opened(plot_opened), Configured(settings=survey.settings))
     kept = survey.soil_map.samples[:samples]
     soil_map = replace(changed.soil_map, samples=kept, variograms=survey.soil_map.variograms)
-    early = replace(changed, soil_map=soil_map, visited=survey.visited[:samples])
+    early = replace(changed, soil_map=soil_map, stops=survey.stops[:samples])
     own = LeastSquares(Spherical)(soil_map.at, soil_map.kpa)
     figures = draw_survey(early, history[:samples], own)
     assert len(figures) == 5
@@ -482,9 +483,8 @@ def test_figures_of_a_survey_have_learning_curves_only_with_a_history(
 
 def test_a_refused_stop_of_a_survey_is_drawn(survey: Survey, fits: Fits) -> None:
     free = next(k for k in range(96) if k not in survey.visited)
-    refusal = Refused(
-        agent="a", cell=free, at=(1, 1), reason="stone", metres=5, seconds=50, tries=3
-    )
+    place = (float(FIELD.cells[free][0]), float(FIELD.cells[free][1]))
+    refusal = Refused(agent="robot", at=place, reason="stone", metres=5, seconds=50, tries=3)
     figure = draw_survey(apply(survey, refusal), (), fits)["depth_slices"]
     assert named(figure.axes[0], "refused") == [FIELD.cells[free].tolist()]
 

@@ -13,11 +13,13 @@ import numpy as np
 import pytest
 
 from subsoil.errors import MissingExtraError, ReadingsError
-from subsoil.events import Opened
 from subsoil.layers import LayerState, Sample
 from subsoil.report import Progress, render, write_report
+from subsoil.reports import Refused
 from subsoil.soilmap import SoilMap
-from subsoil.survey import Survey, apply, opened
+from subsoil.strategies import Plan
+from subsoil.survey import Stop, Survey, apply, opened
+from subsoil.survey.events import Configured, Opened
 from subsoil.variogram import BoundedLinear, Fit
 
 History = tuple[Progress, ...]
@@ -148,6 +150,13 @@ def test_without_a_truth_there_is_no_error_to_report(
     assert "simulated truth" not in text
 
 
+def stony_stop(survey: Survey) -> Stop:
+    """A stop that gave no reading."""
+    free = next(k for k in range(96) if k not in survey.visited)
+    stone = Refused(agent="robot", at=(1, 1), reason="stone", metres=5, seconds=50, tries=3)
+    return Stop("stony", "robot", free, refusal=stone)
+
+
 def test_a_report_warns_of_bounds_priors_and_refusals(
     survey: Survey, history: History, fits: Fits
 ) -> None:
@@ -159,7 +168,7 @@ def test_a_report_warns_of_bounds_priors_and_refusals(
     changed = replace(
         survey,
         soil_map=SoilMap(soil_map.cells, soil_map.layers, soil_map.variograms, samples),
-        refused=(5,),
+        stops=(*survey.stops, stony_stop(survey)),
     )
     own = (replace(fits[0], is_prior=True), *fits[1:])
     text = words_of(changed, history, own)
@@ -183,21 +192,21 @@ def test_a_report_passes_on_the_notes_of_the_map(
 
 
 def test_a_survey_under_way_says_how_to_go_on(survey: Survey, history: History, fits: Fits) -> None:
-    changed = replace(survey, finished="", plan=(1, 2))
+    changed = replace(survey, finished="", plan=Plan((1, 2), "as planned"))
     text = words_of(changed, history, fits)
     assert "under way, 2 stops planned" in text
     assert "subsoil resume" in text
 
 
 def test_a_survey_that_was_never_configured_can_be_reported(survey: Survey, fits: Fits) -> None:
-    text = words_of(replace(survey, settings=()), (), fits)
+    text = words_of(replace(survey, method=""), (), fits)
     assert "Strategy" not in text
 
 
 def test_a_survey_without_a_sample_is_refused(
     survey: Survey, fits: Fits, plot_opened: Opened, tmp_path: Path
 ) -> None:
-    begun = apply(opened(plot_opened), survey.settings[0])
+    begun = apply(opened(plot_opened), Configured(settings=survey.settings))
     with pytest.raises(ReadingsError, match="no sample"):
         write_report(begun, (), fits, tmp_path)
     assert not (tmp_path / "report.html").exists()

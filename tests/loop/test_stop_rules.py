@@ -8,12 +8,9 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from subsoil.dispatch import LocalDispatch, drive
 from subsoil.errors import ParameterError
-from subsoil.events import Configured, Event, Opened, Planned, from_json, same, to_json
 from subsoil.report.outlook import in_words, out_of_reach, outlook
-from subsoil.sequel import next_event
-from subsoil.simulation import SimulatedRobot, Truth
+from subsoil.simulation import Truth
 from subsoil.stopping import (
     DecidedShare,
     Goal,
@@ -24,41 +21,28 @@ from subsoil.stopping import (
     first_stop,
     forecast,
 )
-from subsoil.survey import Survey, apply, fold, opened
+from subsoil.survey import LocalDispatch, Memory, Settings, Survey, apply, decision, fold
+from subsoil.survey.events import Configured, Event, Planned, from_json, same, to_json
 from subsoil.uncertainty import predicted_rmse
 
 Configure = Callable[..., Configured]
-RobotAt = Callable[[Survey, Truth], SimulatedRobot]
+SurveyPlot = Callable[..., tuple[Survey, list[Event]]]
+Work = Callable[[LocalDispatch, Truth], str]
 Run = Callable[..., tuple[Survey, list[Event]]]
 
 CAP = 40
 
 
-class Notes:
-    """Recorder in memory."""
-
-    def __init__(self) -> None:
-        self.events: list[Event] = []
-
-    def append(self, event: Event, survey: Survey) -> None:
-        assert survey is not None
-        self.events.append(event)
-
-
 @pytest.fixture
-def run(plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt) -> Run:
+def run(configured: Configure, survey_plot: SurveyPlot) -> Run:
     """Survey the plot with some settings changed."""
 
-    def survey_plot(
+    def survey(
         start: Survey | None = None, strategy: str = "area-split", **changes: object
     ) -> tuple[Survey, list[Event]]:
-        notes = Notes()
-        dispatch = LocalDispatch(start or opened(plot_opened), notes)
-        dispatch.record(configured(strategy, CAP).model_copy(update=changes))
-        drive("robot", robot_at(dispatch.survey, plot_truth), dispatch)
-        return dispatch.survey, [plot_opened, *notes.events]
+        return survey_plot(configured(strategy, **{"samples": CAP, **changes}), start)
 
-    return survey_plot
+    return survey
 
 
 def plans(events: list[Event]) -> list[Planned]:
@@ -138,13 +122,13 @@ def test_before_a_second_sample_goals_measure_nothing(run: Run) -> None:
 
 
 def test_a_survey_with_goals_cut_off_anywhere_goes_on_to_the_same_end(
-    run: Run, plot_truth: Truth, robot_at: RobotAt
+    run: Run, plot_truth: Truth, work: Work
 ) -> None:
     goals = (TargetRmse(reachable(run)), LeastGain(0.01))
     whole, events = run(goals=goals)
     for cut in range(2, len(events), 7):
-        dispatch = LocalDispatch(fold(events[:cut]), Notes())
-        drive("robot", robot_at(dispatch.survey, plot_truth), dispatch)
+        dispatch = LocalDispatch(fold(events[:cut]), Memory())
+        work(dispatch, plot_truth)
         assert dispatch.survey.visited == whole.visited
         assert dispatch.survey.finished == whole.finished
         assert dispatch.survey.standing == whole.standing
@@ -155,7 +139,7 @@ def test_every_plan_and_ending_follows_from_the_events_before_it(run: Run) -> No
     survey = fold(events[:2])
     for event in events[2:]:
         if event.kind in {"planned", "fitted", "finished"}:
-            expected = next_event(survey)
+            expected = decision(survey)
             assert expected is not None
             assert same(event, expected, tolerance=0.0)
         survey = apply(survey, event)
@@ -163,27 +147,25 @@ def test_every_plan_and_ending_follows_from_the_events_before_it(run: Run) -> No
 
 def test_settings_with_goals_survive_json(configured: Configure) -> None:
     goals = (TargetRmse(40.0), SureRmse(40.0, 0.8), DecidedShare(2000.0), LeastGain(0.1))
-    settings = configured().model_copy(
-        update={"goals": goals, "money": 90.0, "rates": Rates(hour=50.0, currency="USD")}
-    )
+    settings = configured(goals=goals, money=90.0, rates=Rates(hour=50.0, currency="USD"))
     again = from_json(to_json(settings))
     assert again == settings
     assert isinstance(again, Configured)
-    assert again.goals == goals
-    assert again.limits.rates.currency == "USD"
+    assert again.settings.goals == goals
+    assert again.settings.limits.rates.currency == "USD"
 
 
 def test_settings_of_before_there_were_goals_have_none(configured: Configure) -> None:
-    fields = configured().model_dump(mode="json")
+    fields = configured().settings.model_dump(mode="json")
     for new in ("goals", "money", "rates", "pace"):
         fields.pop(new)
-    old = Configured.model_validate(fields)
+    old = Settings.model_validate(fields)
     assert old.goals == ()
     assert old.money == inf
 
 
 def test_impossible_goals_in_a_journal_are_an_error(configured: Configure) -> None:
-    line = to_json(configured().model_copy(update={"goals": (TargetRmse(40.0),)}))
+    line = to_json(configured(goals=(TargetRmse(40.0),)))
     with pytest.raises(ParameterError, match="target RMSE"):
         from_json(line.replace('"kpa":40.0', '"kpa":-40.0'))
 
@@ -219,9 +201,9 @@ def test_the_outlook_is_the_forecast_of_the_planned_stops_and_more(run: Run) -> 
     cut = next(k for k in range(len(events)) if fold(events[: k + 1]).step == 18)
     survey = fold(events[: cut + 3])
     seen = outlook(survey)
-    assert 0 < seen.planned == len(survey.plan) < len(seen.ahead)
+    assert 0 < seen.planned == len(survey.plan.cells) < len(seen.ahead)
     first = [entry.rmse for entry in seen.ahead[: seen.planned]]
-    assert first == pytest.approx(forecast(survey.soil_map, survey.plan).tolist())
+    assert first == pytest.approx(forecast(survey.soil_map, survey.plan.cells).tolist())
     rmse, minutes = ([getattr(e, name) for e in seen.ahead] for name in ("rmse", "minutes"))
     assert (np.diff([seen.rmse, *rmse]) <= 0).all()
     assert [entry.more for entry in seen.ahead] == list(range(1, len(seen.ahead) + 1))

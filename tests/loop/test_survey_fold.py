@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from subsoil.dispatch import LocalDispatch, drive
+from subsoil.agent import drive
 from subsoil.errors import BatteryError, CorruptJournalError, ParameterError, RobotError
-from subsoil.events import (
+from subsoil.reports import Reading, Sampled
+from subsoil.simulation import Machine, SimulatedRobot, Truth
+from subsoil.strategies import Plan, View
+from subsoil.survey import LocalDispatch, Memory, Survey, apply, decision, fold, opened
+from subsoil.survey.events import (
     BatterySwapped,
     Configured,
     Event,
@@ -19,19 +24,14 @@ from subsoil.events import (
     Fitted,
     Opened,
     Planned,
-    Refused,
-    Sampled,
     from_json,
     same,
     to_json,
 )
-from subsoil.sequel import next_event
-from subsoil.simulation import Machine, SimulatedRobot, Truth
-from subsoil.strategies import Plan, View
-from subsoil.survey import Survey, apply, fold, opened
 
 Configure = Callable[..., Configured]
-RobotAt = Callable[[Survey, Truth], SimulatedRobot]
+SurveyPlot = Callable[..., tuple[Survey, list[Event]]]
+Work = Callable[[LocalDispatch, Truth], str]
 
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
 
@@ -51,31 +51,10 @@ def again(_: View) -> Plan:
     return Plan((3,), "again")
 
 
-class Notes:
-    """Recorder in memory."""
-
-    def __init__(self) -> None:
-        self.events: list[Event] = []
-
-    def append(self, event: Event, survey: Survey) -> None:
-        assert survey is not None
-        self.events.append(event)
-
-
-def surveyed(
-    opening: Opened, settings: Configured, truth: Truth, robot_at: RobotAt
-) -> tuple[Survey, list[Event]]:
-    notes = Notes()
-    dispatch = LocalDispatch(opened(opening), notes)
-    dispatch.record(settings)
-    drive("robot", robot_at(dispatch.survey, truth), dispatch)
-    return dispatch.survey, [opening, *notes.events]
-
-
 def test_folding_the_events_gives_the_state_the_survey_ended_in(
-    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    configured: Configure, survey_plot: SurveyPlot
 ) -> None:
-    survey, events = surveyed(plot_opened, configured(), plot_truth, robot_at)
+    survey, events = survey_plot(configured())
     again = fold(events)
     assert again.finished == "8 samples taken"
     assert again.visited == survey.visited
@@ -85,45 +64,38 @@ def test_folding_the_events_gives_the_state_the_survey_ended_in(
 
 
 def test_every_prefix_of_the_events_implies_the_next_planned_or_fitted_event(
-    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    configured: Configure, survey_plot: SurveyPlot
 ) -> None:
-    _, events = surveyed(plot_opened, configured(), plot_truth, robot_at)
-    survey = opened(plot_opened)
-    for event in events[1:]:
-        if not isinstance(event, Configured | Sampled | Refused):
-            expected = next_event(survey)
+    _, events = survey_plot(configured())
+    first, *later = events
+    assert isinstance(first, Opened)
+    survey = opened(first)
+    for event in later:
+        if isinstance(event, Fitted | Planned | Finished):
+            expected = decision(survey)
             assert expected is not None
             assert same(event, expected, tolerance=0.0)
         survey = apply(survey, event)
 
 
 def test_a_survey_cut_off_anywhere_goes_on_to_the_same_end(
-    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    configured: Configure, survey_plot: SurveyPlot, plot_truth: Truth, work: Work
 ) -> None:
-    whole, events = surveyed(plot_opened, configured("adaptive-greedy"), plot_truth, robot_at)
+    whole, events = survey_plot(configured("adaptive-greedy"))
     for cut in range(2, len(events)):
-        dispatch = LocalDispatch(fold(events[:cut]), Notes())
-        drive("robot", robot_at(dispatch.survey, plot_truth), dispatch)
+        dispatch = LocalDispatch(fold(events[:cut]), Memory())
+        work(dispatch, plot_truth)
         assert dispatch.survey.visited == whole.visited
         assert np.array_equal(dispatch.survey.soil_map.mean, whole.soil_map.mean)
 
 
 def test_a_report_that_comes_twice_counts_once(
-    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    configured: Configure, survey_plot: SurveyPlot
 ) -> None:
-    _, events = surveyed(plot_opened, configured(), plot_truth, robot_at)
+    _, events = survey_plot(configured())
     report = next(event for event in events if isinstance(event, Sampled))
     survey = fold(events)
     assert apply(survey, report) is survey
-
-
-def test_a_report_on_a_cell_outside_the_field_is_an_error(
-    plot_opened: Opened, configured: Configure
-) -> None:
-    dispatch = LocalDispatch(apply(opened(plot_opened), configured()), Notes())
-    report = Refused(agent="a", cell=9999, at=(0, 0), reason="stone", metres=1, seconds=1, tries=1)
-    with pytest.raises(CorruptJournalError, match="cell 9999"):
-        dispatch.report(report)
 
 
 def test_the_first_event_must_set_the_survey_up(configured: Configure) -> None:
@@ -133,19 +105,19 @@ def test_the_first_event_must_set_the_survey_up(configured: Configure) -> None:
 
 
 def test_more_samples_can_be_asked_of_a_finished_survey(
-    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    configured: Configure, survey_plot: SurveyPlot, plot_truth: Truth, work: Work
 ) -> None:
     for strategy in ("area-split", "greedy", "adaptive-greedy"):
-        short, _ = surveyed(plot_opened, configured(strategy, 6), plot_truth, robot_at)
-        dispatch = LocalDispatch(short, Notes())
+        short, _ = survey_plot(configured(strategy, 6))
+        dispatch = LocalDispatch(short, Memory())
         dispatch.record(configured(strategy, 10))
-        drive("robot", robot_at(dispatch.survey, plot_truth), dispatch)
+        work(dispatch, plot_truth)
         assert len(dispatch.survey.visited) == 10
         assert dispatch.survey.visited[:6] == short.visited
 
 
 def test_a_strategy_that_plans_what_cannot_be_is_named(
-    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    configured: Configure, survey_plot: SurveyPlot
 ) -> None:
     for strategy, words in (
         ("beyond", "not in the field"),
@@ -154,14 +126,14 @@ def test_a_strategy_that_plans_what_cannot_be_is_named(
     ):
         settings = configured(f"{__name__}:{strategy}")
         with pytest.raises(ParameterError, match=f"strategy .*{strategy}: it plans cell.*{words}"):
-            surveyed(plot_opened, settings, plot_truth, robot_at)
+            survey_plot(settings)
 
 
 def test_variograms_are_refitted_early_on_schedule_and_at_the_end(
-    plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    configured: Configure, survey_plot: SurveyPlot
 ) -> None:
-    settings = configured("random", 23).model_copy(update={"refit_every": 5})
-    _, events = surveyed(plot_opened, settings, plot_truth, robot_at)
+    settings = configured("random", 23, refit_every=5)
+    _, events = survey_plot(settings)
     fitted = [event.samples for event in events if isinstance(event, Fitted)]
     assert fitted == [*range(1, 13), 15, 20, 23]
 
@@ -170,28 +142,37 @@ def test_a_survey_whose_robot_runs_out_of_charge_goes_on_with_a_fresh_battery(
     plot_opened: Opened, configured: Configure, plot_truth: Truth
 ) -> None:
     machine = Machine(opened(plot_opened).cone, battery_s=400.0)
-    dispatch = LocalDispatch(apply(opened(plot_opened), configured()), Notes())
+    dispatch = LocalDispatch(opened(plot_opened), Memory())
+    dispatch.record(configured())
+    dispatch.join("robot")
 
     def robot() -> SimulatedRobot:
-        survey = dispatch.survey
-        left = machine.battery_s - (survey.seconds - survey.charged_at)
-        return SimulatedRobot(
-            plot_truth, machine, seed=3, position=survey.position, stop=survey.step, battery_s=left
-        )
+        agent = dispatch.survey.agent("robot")
+        left = machine.battery_s - (agent.seconds - agent.charged_at)
+        cells = [stop.cell for stop in dispatch.survey.stops]
+        at = tuple(plot_truth.field.cells[cells[-1]].tolist()) if cells else agent.position
+        return SimulatedRobot(plot_truth, machine, seed=3, position=at, battery_s=left)
 
     with pytest.raises(BatteryError, match="battery"):
         drive("robot", robot(), dispatch)
-    taken = len(dispatch.survey.visited)
+    taken = dispatch.survey.taken
     assert 0 < taken < 8
     with pytest.raises(RobotError):
         drive("robot", robot(), dispatch)
     while not dispatch.survey.finished:
-        dispatch.record(BatterySwapped())
+        dispatch.swap_battery("robot")
         try:
             drive("robot", robot(), dispatch)
         except BatteryError:
             continue
-    assert len(dispatch.survey.visited) == 8
+    assert dispatch.survey.taken == 8
+
+
+def test_a_battery_swap_reopens_nothing(configured: Configure, survey_plot: SurveyPlot) -> None:
+    survey, _ = survey_plot(configured(samples=3))
+    swapped = apply(survey, BatterySwapped(agent="robot"))
+    assert swapped.finished == survey.finished == "3 samples taken"
+    assert swapped.agent("robot").charged_at == survey.agent("robot").seconds
 
 
 @given(
@@ -204,9 +185,10 @@ def test_a_survey_whose_robot_runs_out_of_charge_goes_on_with_a_fresh_battery(
 def test_events_survive_json_bit_for_bit(
     at: tuple[float, float], depth: list[float], metres: float, kv: float, words: str
 ) -> None:
+    reading = Reading(depth_m=tuple(depth), force_n=tuple(depth), ending="force")
     sampled = Sampled(
-        agent=words, cell=3, at=at, depth_m=tuple(depth), force_n=tuple(depth), ending="force",
-        metres=metres, seconds=1.5, tries=2,
+        agent=words, at=at, reading=reading, metres=metres, seconds=1.5, tries=2,
+        time=datetime(2026, 1, 2, 3, 4, 5, 678901, tzinfo=UTC), clock="gnss",
     )  # fmt: skip
     planned = Planned(step=1, cells=(1, 2), reason=words, mean_kv=kv)
     for event in (sampled, planned, Finished(reason=words)):

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from math import hypot, inf
+from math import hypot
 from typing import Literal
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from subsoil.dispatch import LocalDispatch, drive
-from subsoil.errors import ParameterError
-from subsoil.events import Configured, Event, Planned
+from subsoil.agent import Arrival, Assignment, Push, Refusal, drive
+from subsoil.errors import NotAllowedError, ParameterError
 from subsoil.field import Field
 from subsoil.layers import Layers
-from subsoil.penetrometer import LARGE_CONE, Insertion
-from subsoil.robot import Arrival, Push, Refusal
-from subsoil.sequel import view
+from subsoil.penetrometer import LARGE_CONE
+from subsoil.registry import module_of
+from subsoil.reports import Reading
 from subsoil.strategies import STRATEGIES, strategy_named
-from subsoil.survey import Survey, opened, opening
+from subsoil.survey import LocalDispatch, Settings, Survey, opened, opening, view
+from subsoil.survey.events import Configured, Event, Planned
 
 OWN = "nearest_cell_strategy:nearest"
 EVERY = [*STRATEGIES, OWN]
@@ -74,19 +75,20 @@ class Reader:
     stony: Collection[int] = ()
     ground: Ground = "soft"
 
-    def go_to(self, at: tuple[float, float]) -> Arrival:
-        metres = hypot(at[0] - self.position[0], at[1] - self.position[1])
-        self.position = at
-        return Arrival(at, metres, metres)
+    def go_to(self, stop: Assignment) -> Arrival:
+        metres = hypot(stop.at[0] - self.position[0], stop.at[1] - self.position[1])
+        self.position = stop.at
+        return Arrival(stop.at, metres, metres)
 
     def probe(self) -> Push | Refusal:
         if self.field.nearest_cell(self.position) in self.stony:
             return Refusal("a stone", 50.0, 4)
         if self.ground == "hard":
-            shallow = Insertion(np.array([0.01, 0.02]), np.array([300.0, 600.0]), "force")
+            shallow = Reading(depth_m=(0.01, 0.02), force_n=(300.0, 600.0), ending="force")
             return Push(self.position, shallow, 50.0)
-        force = soil(*self.position) * LARGE_CONE.area_mm2 / 1000.0
-        return Push(self.position, Insertion(LAYERS.bottom_m, force), 50.0)
+        depth, force = LAYERS.bottom_m, soil(*self.position) * LARGE_CONE.area_mm2 / 1000.0
+        reading = Reading(depth_m=tuple(depth.tolist()), force_n=tuple(force.tolist()))
+        return Push(self.position, reading, 50.0)
 
     def stop(self) -> None:
         pass
@@ -111,14 +113,19 @@ class Course:
         return [(before, event) for before, event in self.steps if isinstance(event, Planned)]
 
 
+def laid_down(before: Survey, event: Planned) -> tuple[int, ...]:
+    """Cells of a plan: those of the last one where it was kept."""
+    return before.plan.cells if event.kept else event.cells
+
+
 def how(
     strategy: str, samples: int, seed: int = 1, settings: dict[str, float | str] | None = None
 ) -> Configured:
-    return Configured(
-        strategy=strategy, strategy_settings=settings or {}, estimator="paper-10", refit_every=1,
-        seed=seed, start=START, world="reader", samples=samples, metres=inf, minutes=inf,
-        mean_kv=0.0,
+    decided = Settings(
+        strategy=strategy, strategy_settings=settings or {}, estimator="paper-10", seed=seed,
+        start=START, samples=samples,
     )  # fmt: skip
+    return Configured(settings=decided)
 
 
 def driven(
@@ -130,7 +137,8 @@ def driven(
     """A whole survey; with several configurations, one after the other."""
     state = opened(opening(land, LAYERS, LARGE_CONE))
     course = Course(state)
-    dispatch = LocalDispatch(state, course)
+    dispatch = LocalDispatch(state, course, allowed=module_of(OWN))
+    dispatch.join("reader")
     for event in configured:
         dispatch.record(event)
         robot = Reader(land, dispatch.survey.position, stony, ground)
@@ -142,15 +150,16 @@ def check(course: Course, stony: Collection[int] = ()) -> None:
     """What must hold of every survey that was driven to its end."""
     end, cells = course.state, len(course.state.field.cells)
     for before, event in course.plans:
-        assert len(set(event.cells)) == len(event.cells)
-        assert not {*before.visited, *before.refused} & {*event.cells}
-        assert all(0 <= cell < cells for cell in event.cells)
-        assert end.field.contains(end.field.cells[list(event.cells)]).all()
+        planned = laid_down(before, event)
+        assert len(set(planned)) == len(planned)
+        assert not {*before.visited, *before.refused} & {*planned}
+        assert all(0 <= cell < cells for cell in planned)
+        assert end.field.contains(end.field.cells[list(planned)]).all()
         assert event.reason
     assert len({*end.visited, *end.refused}) == len(end.visited) + len(end.refused)
     assert not set(end.visited) & set(stony)
     assert set(end.refused) <= set(stony)
-    samples = end.configured.samples
+    samples = end.settings.samples
     if len(end.visited) == samples:
         assert end.finished == f"{samples} samples taken"
     else:
@@ -228,7 +237,7 @@ def test_a_strategy_is_changed_half_way(fields: dict[str, Field], name: str) -> 
 @pytest.mark.parametrize("name", EVERY)
 def test_the_same_seed_gives_the_same_survey(fields: dict[str, Field], name: str) -> None:
     one, other = (driven(fields["L"], how(name, 9, seed=5)).plans for _ in range(2))
-    assert [event.cells for _, event in one] == [event.cells for _, event in other]
+    assert [laid_down(*each) for each in one] == [laid_down(*each) for each in other]
 
 
 @pytest.mark.parametrize("name", BY_CHANCE)
@@ -246,12 +255,12 @@ def test_a_w_leaves_nothing_to_chance(fields: dict[str, Field]) -> None:
 def test_a_strategy_is_a_function_of_what_it_sees_and_leaves_that_alone(
     fields: dict[str, Field], name: str
 ) -> None:
-    strategy = strategy_named(name)
+    strategy = strategy_named(name, allowed=module_of(name))
     stony = set(range(0, len(fields["keep-out"].cells), 3))
     for before, event in driven(fields["keep-out"], how(name, 8), stony=stony).plans:
         seen, kv = view(before), before.soil_map.kv.copy()
         plan = strategy(seen)
-        assert plan.cells == strategy(view(before)).cells == event.cells
+        assert plan.cells == strategy(view(before)).cells == laid_down(before, event)
         assert plan.reason == event.reason
         now = view(before)
         assert (seen.plan, seen.visited, seen.refused) == (now.plan, now.visited, now.refused)
@@ -274,7 +283,7 @@ def test_the_number_of_stops_stays_with_stones_or_without(
 ) -> None:
     stony = set(range(0, len(fields["L"].cells), 4))
     for before, event in driven(fields["L"], how(name, 10), stony=stony).plans:
-        assert len(event.cells) == 10 - len(before.visited)
+        assert len(laid_down(before, event)) == 10 - len(before.visited)
 
 
 def test_settings_reach_the_strategy(fields: dict[str, Field]) -> None:
@@ -286,7 +295,7 @@ def test_settings_reach_the_strategy(fields: dict[str, Field]) -> None:
 
 
 def test_a_whole_number_survives_being_kept_as_a_float(fields: dict[str, Field]) -> None:
-    settings = how("monte-carlo", 4, settings={"candidates": 7}).strategy_settings
+    settings = how("monte-carlo", 4, settings={"candidates": 7}).settings.strategy_settings
     check(driven(fields["L"], how("monte-carlo", 4, settings=settings)))
     strategy = strategy_named("monte-carlo", {"candidates": 7.0})
     assert isinstance(strategy, partial)
@@ -312,4 +321,14 @@ def test_a_name_or_setting_that_does_not_exist_is_refused(
     name: str, settings: dict[str, float | str], message: str
 ) -> None:
     with pytest.raises(ParameterError, match=message):
-        strategy_named(name, settings)
+        strategy_named(name, settings, module_of(name))
+
+
+def test_code_of_a_module_that_nobody_allowed_is_not_run() -> None:
+    for name in ("os:system", OWN, "subsoil.strategies:greedy", "antigravity:fly"):
+        with pytest.raises(NotAllowedError, match=f"give --allow {name.split(':')[0]}"):
+            strategy_named(name)
+    for name in (":x", "..x:y", "a b:c", "greedy:"):
+        with pytest.raises(ParameterError, match="there is no strategy"):
+            strategy_named(name)
+    assert "antigravity" not in sys.modules

@@ -10,10 +10,11 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
-from subsoil.events import Fitted, from_json, model_record, to_json
 from subsoil.kriging import condition
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.soilmap import SoilMap
+from subsoil.survey.events import Fitted, from_json, to_json
+from subsoil.survey.records import FitRecord, model_record
 from subsoil.variogram import (
     Bounded,
     Exponential,
@@ -128,10 +129,10 @@ def test_traces_are_left_out_and_the_nugget_stays() -> None:
 
 @pytest.mark.parametrize("model", [MODEL, Nested(0.1 + 0.2, TERMS[:1]), Nested(5.0, ())])
 def test_the_journal_keeps_it_bit_for_bit(model: Nested) -> None:
-    event = Fitted(id="a", samples=3, models=(model_record(model),), why=("so",))
+    event = Fitted(id="a", samples=3, fits=(FitRecord(model=model_record(model), why="so"),))
     again = from_json(to_json(event))
     assert isinstance(again, Fitted)
-    assert again.models[0].variogram == model
+    assert again.fits[0].model.variogram == model
 
 
 def test_it_has_a_name_for_people() -> None:

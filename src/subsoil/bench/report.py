@@ -21,9 +21,9 @@ from subsoil.bench.hand import HandSurveys, hand_surveys
 from subsoil.bench.scoring import Scorer, surveyed
 from subsoil.bench.task import Entrant, Setting, Task
 from subsoil.bench.world import truth_of
-from subsoil.errors import ParameterError
+from subsoil.errors import NotAllowedError, ParameterError
 from subsoil.plots.album import DPI, draw_survey
-from subsoil.survey import estimator_of
+from subsoil.survey import fits_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -108,12 +108,18 @@ def _pictures(found: Standing, setting: Setting, hand: HandSurveys) -> dict[str,
 
 
 def _example(found: Standing, setting: Setting) -> dict[str, Figure]:
-    """Maps with the way, and variograms, of one survey of the first field."""
+    """Maps with the way, and variograms, of one survey of the first field.
+
+    None where its strategy is code that a folder only names.
+    """
     entrant = _exemplary(found)
     task = Task(setting, min(found.results[entrant]), entrant)
     truth = truth_of(setting, task.field)
-    survey = surveyed(task, setting.samples[-1], truth, Scorer(truth))
-    fits = estimator_of(survey)(survey.soil_map.at, survey.soil_map.kpa)
+    try:
+        survey = surveyed(task, setting.samples[-1], truth, Scorer(truth))
+    except NotAllowedError:
+        return {}
+    fits = fits_of(survey)
     drawn = draw_survey(survey, (), fits)
     return {f"example_{name}": drawn[name] for name in ("depth_slices", "std_dev", "variograms")}
 
@@ -187,11 +193,16 @@ def _page(
         parts += [words + "\n"] if words else []
         parts += [f"![{table.title}](figures/{picture}.png)\n"] if picture in pictures else []
         parts += [tables.markdown(table)] if table.rows else ["There is nothing to compare.\n"]
-    parts.append("## One survey\n")
+    examples = [name for name in pictures if name[:7] == "example"]
     entrant = _exemplary(found)
-    parts.append(
-        f"{entrant.strategy} with {entrant.estimator} on field "
-        f"{min(found.results[entrant])}, {setting.samples[-1]} samples.\n"
+    parts += ["## One survey\n"] if examples else []
+    parts += (
+        [
+            f"{entrant.strategy} with {entrant.estimator} on field "
+            f"{min(found.results[entrant])}, {setting.samples[-1]} samples.\n"
+        ]
+        if examples
+        else []
     )
-    parts += [f"![{name}](figures/{name}.png)\n" for name in pictures if name[:7] == "example"]
+    parts += [f"![{name}](figures/{name}.png)\n" for name in examples]
     return "\n".join(parts)

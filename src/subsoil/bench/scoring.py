@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from math import inf
-
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from subsoil.agent import drive
 from subsoil.bench.task import Result, Row, Series, Task, survey_seed
 from subsoil.bench.world import TruthReader, truth_of
-from subsoil.dispatch import LocalDispatch, drive
 from subsoil.errors import SubsoilError
-from subsoil.events import Configured, Event, Finished, Planned
 from subsoil.penetrometer import LARGE_CONE
+from subsoil.registry import NOBODY, module_of
+from subsoil.reports import Source
 from subsoil.scores import rmse
 from subsoil.simulation import Truth
 from subsoil.soilmap import SoilMap
-from subsoil.survey import Survey, apply, opened, opening
+from subsoil.survey import LocalDispatch, Settings, Survey, opened, opening
+from subsoil.survey.events import Configured, Event, Finished, Planned, Simulation
 
 STEP_BY_STEP = {"greedy", "monte-carlo"}
 """Strategies that do not know the budget: a survey of 50 samples begins with that of 15."""
@@ -31,7 +31,7 @@ class Scorer:
 
     def append(self, event: Event, survey: Survey) -> None:
         """Take a row once the variograms are up to date: then a plan or the end follows."""
-        n = len(survey.visited)
+        n = survey.taken
         if n > len(self.rows) + 1 and isinstance(event, Planned | Finished):
             self.rows.append(row(survey, self.truth))
 
@@ -39,7 +39,7 @@ class Scorer:
 def row(survey: Survey, truth: Truth) -> Row:
     """How a survey stands."""
     return Row(
-        n=len(survey.visited),
+        n=survey.taken,
         rmse_kpa=rmse(survey.soil_map.mean, truth.kpa),
         path_m=survey.metres,
         minutes=survey.minutes,
@@ -77,33 +77,51 @@ def scored(task: Task) -> Result:
         return Result(task, tuple(_series(task, budget, truth) for budget in budgets))
 
 
-def surveyed(task: Task, samples: int, truth: Truth, scorer: Scorer) -> Survey:
-    """Survey a field with a number of samples; returns the state at its end."""
+def surveyed(
+    task: Task, samples: int, truth: Truth, scorer: Scorer, allowed: frozenset[str] = NOBODY
+) -> Survey:
+    """Survey a field with a number of samples; returns the state at its end.
+
+    Parameters
+    ----------
+    task, samples, truth, scorer
+        What to survey, how far, where, and what to keep of it.
+    allowed
+        Modules whose strategies may be run, beside the registered ones.
+
+    Raises
+    ------
+    NotAllowedError
+        If the task's strategy is of another module.
+    """
     start = truth.field.entrance
-    settings = Configured(
+    seed = survey_seed(task.setting.seed, task.field)
+    settings = Settings(
+        start=start,
         strategy=task.entrant.strategy,
         estimator=task.entrant.estimator,
-        refit_every=1,
-        seed=survey_seed(task.setting.seed, task.field),
-        start=start,
-        world=task.setting.protocol,
+        seed=seed,
         samples=samples,
-        metres=inf,
-        minutes=inf,
-        mean_kv=0.0,
     )
-    state = apply(opened(opening(truth.field, truth.layers, LARGE_CONE)), settings)
-    dispatch = LocalDispatch(state, scorer)
-    drive("reader", TruthReader(truth, start), dispatch)
+    dispatch = LocalDispatch(
+        opened(opening(truth.field, truth.layers, LARGE_CONE)),
+        scorer,
+        allowed=allowed,
+    )
+    dispatch.record(Configured(settings=settings))
+    simulation = Simulation(world=task.setting.protocol, seed=seed)
+    dispatch.join("reader", "simulator", simulation=simulation)
+    drive("reader", TruthReader(truth, start), dispatch, source=Source(kind="simulator"))
     return dispatch.survey
 
 
 def _series(task: Task, samples: int, truth: Truth) -> Series:
     scorer = Scorer(truth)
-    survey = surveyed(task, samples, truth, scorer)
-    if len(survey.visited) < samples:
+    allowed = module_of(task.entrant.strategy) | module_of(task.entrant.estimator)
+    survey = surveyed(task, samples, truth, scorer, allowed)
+    if survey.taken < samples:
         raise SubsoilError(
-            f"it ended after {len(survey.visited)} of {samples} samples: {survey.finished}",
+            f"it ended after {survey.taken} of {samples} samples: {survey.finished}",
             where=f"strategy {task.entrant.strategy}",
             remedy="fewer samples, or another strategy",
         )

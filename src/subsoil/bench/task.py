@@ -19,6 +19,7 @@ import numpy as np
 
 from subsoil.bench.paper import RMSE_KPA
 from subsoil.errors import ParameterError
+from subsoil.registry import module_of
 from subsoil.strategies import strategy_named
 from subsoil.variogram import estimator_named
 
@@ -35,10 +36,6 @@ class Entrant:
 
     strategy: str
     estimator: str
-
-    def __post_init__(self) -> None:
-        strategy_named(self.strategy)
-        estimator_named(self.estimator)
 
 
 @dataclass(frozen=True)
@@ -219,6 +216,8 @@ def entrants_of(strategies: tuple[str, ...], estimators: tuple[str, ...]) -> tup
         for estimator in estimators or (_own_estimator(strategy),)
     )
     for k, entrant in enumerate(entrants):
+        strategy_named(entrant.strategy, allowed=module_of(entrant.strategy))
+        estimator_named(entrant.estimator, allowed=module_of(entrant.estimator))
         if entrant in entrants[:k]:
             raise ParameterError(
                 f"{entrant.strategy} with {entrant.estimator} comes twice",

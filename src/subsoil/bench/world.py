@@ -8,18 +8,17 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
+from subsoil.agent import Arrival, Assignment, Push
 from subsoil.bench.task import Setting, soil_rng
 from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.layers import Layers
-from subsoil.penetrometer import LARGE_CONE, Insertion
-from subsoil.robot import Arrival, Push
+from subsoil.penetrometer import LARGE_CONE
+from subsoil.reports import Place, Reading
 from subsoil.routing import length
 from subsoil.simulation import Machine, Protocol, Truth, test_bed
 from subsoil.simulation.fields import TEST_BED
 from subsoil.travel import travel_of
-
-Place = tuple[float, float]
 
 
 class TruthReader:
@@ -34,12 +33,12 @@ class TruthReader:
         self.machine = Machine(LARGE_CONE)
         self.pushed = 0
 
-    def go_to(self, at: Place) -> Arrival:
-        """Drive to a place the shortest way through the field."""
-        self.pushed = 0
-        metres = length(travel_of(self.truth.field), self.position, [at])
-        self.position = at
-        return Arrival(at, metres, metres / self.machine.speed_mps)
+    def go_to(self, stop: Assignment) -> Arrival:
+        """Drive to a stop the shortest way through the field."""
+        self.pushed = stop.made
+        metres = length(travel_of(self.truth.field), self.position, [stop.at])
+        self.position = stop.at
+        return Arrival(stop.at, metres, metres / self.machine.speed_mps)
 
     def probe(self) -> Push:
         """Read the cell it stands in: the force at the foot of each layer is that of its mean.
@@ -49,9 +48,9 @@ class TruthReader:
         kpa = self.truth.reading(self.truth.field.nearest_cell(self.position), self.pushed)
         seconds = self.machine.retry_s if self.pushed else self.machine.stop_s
         self.pushed += 1
-        force = kpa * LARGE_CONE.area_mm2 / 1000.0
-        insertion = Insertion(self.truth.layers.bottom_m, force)
-        return Push(self.position, insertion, seconds)
+        depth, force = self.truth.layers.bottom_m, kpa * LARGE_CONE.area_mm2 / 1000.0
+        reading = Reading(depth_m=tuple(depth.tolist()), force_n=tuple(force.tolist()))
+        return Push(self.position, reading, seconds)
 
     def stop(self) -> None:
         """Stay."""

@@ -13,7 +13,15 @@ import sys
 import typer
 from threadpoolctl import threadpool_limits
 
-from subsoil.cli import analysing, benching, demonstrating, diagnosing, looking, surveying
+from subsoil.cli import (
+    analysing,
+    benching,
+    correcting,
+    demonstrating,
+    diagnosing,
+    looking,
+    surveying,
+)
 from subsoil.errors import SubsoilError
 
 _INTERRUPTED = 130
@@ -31,6 +39,7 @@ app.command()(looking.plan)
 app.command()(surveying.run)
 app.command()(surveying.resume)
 app.command()(looking.status)
+app.command()(correcting.withdraw)
 app.command(name="map")(analysing.make_map)
 app.command()(analysing.variogram)
 app.command()(analysing.cv)

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from subsoil.agent import drive
 from subsoil.cli import enough
 from subsoil.cli.looking import summary
 from subsoil.cli.options import (
@@ -16,22 +17,23 @@ from subsoil.cli.options import (
     EstimatorName,
     Samples,
     StrategyName,
-    configured,
+    allowed_by,
+    settings_of,
 )
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell
-from subsoil.cli.worlds import demo_field, robot_of, truth_of
-from subsoil.dispatch import LocalDispatch, drive
+from subsoil.cli.worlds import SIMULATED, demo_field, robot_of, simulation_of, truth_of
 from subsoil.errors import JournalError
-from subsoil.events import Configured, Event, Planned
 from subsoil.field import Field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.journal import Journal, create
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
+from subsoil.reports import Source
 from subsoil.scores import rmse
 from subsoil.simulation import Truth
-from subsoil.survey import Survey, estimator_of, fold, opening
+from subsoil.survey import LocalDispatch, Settings, Survey, fits_of, fold, opening
+from subsoil.survey.events import Configured, Event, Planned, Simulation
 
 World = Literal["simulated", "riseholme"]
 _FILE = "survey.gpkg"
@@ -67,14 +69,15 @@ def demo(
     land = _land(field)
     layers = Layers()
     goals = enough.goals(target_rmse, probability, None, None, None, None)
-    settings = configured(
+    settings = settings_of(
         land, strategy, samples, seed,
-        estimator=estimator, world=field, minutes=minutes, goals=goals,
+        estimator=estimator, minutes=minutes, goals=goals,
+        allowed=allowed_by(None, strategy, estimator),
     )  # fmt: skip
     truth = truth_of(field, land, layers, seed)
     with create(path, opening(land, layers, SMALL_CONE)) as journal:
-        survey, history = _survey(journal, settings, truth)
-    fits = estimator_of(survey)(survey.soil_map.at, survey.soil_map.kpa)
+        survey, history = _survey(journal, settings, truth, simulation_of(truth, field, seed))
+    fits = fits_of(survey)
     rasters = write_geotiffs(survey.soil_map, land, out)
     report = write_report(survey, history, fits, out)
     result = {
@@ -88,22 +91,25 @@ def demo(
 
 
 def _survey(
-    journal: Journal, settings: Configured, truth: Truth
+    journal: Journal, settings: Settings, truth: Truth, simulation: Simulation
 ) -> tuple[Survey, tuple[Progress, ...]]:
     history: list[Progress] = []
     with progress("surveying", settings.samples) as advance:
 
         def follow(survey: Survey, event: Event) -> None:
-            if not isinstance(event, Planned) or not survey.visited:
+            if not isinstance(event, Planned) or not survey.taken:
                 return
             history.append(_progress(survey, truth))
-            advance(len(survey.visited), _in_short(history[-1]))
+            advance(survey.taken, _in_short(history[-1]))
 
-        dispatch = LocalDispatch(fold(journal.events()), journal, follow)
-        dispatch.record(settings)
-        drive("simulated robot", robot_of(dispatch.survey, truth), dispatch)
+        allowed = allowed_by(None, settings.strategy, settings.estimator)
+        dispatch = LocalDispatch(fold(journal.events()), journal, follow, allowed=allowed)
+        dispatch.record(Configured(settings=settings))
+        dispatch.join(SIMULATED, "simulator", simulation=simulation)
+        robot = robot_of(dispatch.survey, truth)
+        drive(SIMULATED, robot, dispatch, source=Source(kind="simulator"))
         history.append(_progress(dispatch.survey, truth))
-        advance(len(dispatch.survey.visited), _in_short(history[-1]))
+        advance(dispatch.survey.taken, _in_short(history[-1]))
     return dispatch.survey, tuple(history)
 
 

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from subsoil.errors import ParameterError
-from subsoil.events import Configured
-from subsoil.field import Field
 from subsoil.stopping import DecidedShare, Goal, LeastGain, SureRmse, TargetRmse
 
 Metres = Annotated[float, typer.Option(help="Do not drive further than this in m.")]
@@ -75,36 +72,6 @@ def goals(
     if min_gain is not None:
         chosen.append(LeastGain(min_gain))
     return tuple(chosen)
-
-
-def checked(settings: Configured, field: Field) -> Configured:
-    """Settings whose limits let a survey of a field begin.
-
-    Raises
-    ------
-    ParameterError
-        If a limit is impossible, or too little for the stop nearest to the start.
-    """
-    limits = settings.limits
-    lags = np.hypot(*(field.cells - settings.start).T)
-    nearest = float(lags.min())
-    minutes = settings.pace.minutes(nearest, 1)
-    if nearest > limits.metres:
-        raise ParameterError(
-            f"{limits.metres:g} m do not reach the nearest cell, {nearest:.1f} m away",
-            where="--metres",
-        )
-    if minutes > limits.minutes:
-        raise ParameterError(
-            f"{limits.minutes:g} min are too few for one stop, which takes {minutes:.1f}",
-            where="--minutes",
-        )
-    if (price := limits.rates.money(1, nearest, minutes)) > limits.money:
-        raise ParameterError(
-            f"{limits.money:g} {limits.rates.currency} do not pay for one stop: {price:.2f}",
-            where="--money",
-        )
-    return settings
 
 
 def _alone(option: str, needed: str) -> ParameterError:

@@ -12,18 +12,20 @@ import typer
 from subsoil.cli import enough
 from subsoil.cli.options import (
     DEFAULT_STRATEGY,
+    Allow,
     Samples,
     StrategyName,
     StrategySettings,
     SurveyFile,
-    configured,
+    allowed_by,
+    settings_of,
     values,
 )
-from subsoil.cli.output import AsJson, Seed, folder, tell, tell_table
+from subsoil.cli.output import AsJson, Seed, folder, progress, tell, tell_table
 from subsoil.errors import ParameterError
-from subsoil.events import Event, Opened, Planned
 from subsoil.field import Field
-from subsoil.journal import read_events
+from subsoil.journal import fingerprint, last_event, read_survey
+from subsoil.journal import verify as verdict_on
 from subsoil.plots import outlook_curve
 from subsoil.plots.album import DPI
 from subsoil.report.outlook import (
@@ -37,11 +39,9 @@ from subsoil.report.outlook import (
 )
 from subsoil.report.progress import progress_of
 from subsoil.routing import length
-from subsoil.sequel import next_event
-from subsoil.simulation import Machine
-from subsoil.survey import Survey, fold
+from subsoil.survey import Survey, apply, fold, settled
+from subsoil.survey.events import Configured, Event, Opened
 from subsoil.travel import travel_of
-from subsoil.verification import verify as differences
 
 _DEGREES = {"longitude", "latitude"}
 _ROWS = {1, 2, 3, 5, 10, 15, 20, 30, 40}
@@ -55,29 +55,28 @@ def plan(
     metres: enough.Metres = math.inf,
     minutes: enough.Minutes = math.inf,
     strategy_setting: StrategySettings = None,
+    allow: Allow = None,
     as_json: AsJson = False,
 ) -> None:
     """Show where a survey would go next; changes nothing."""
-    state = fold(read_events(survey))
-    if not state.settings:
-        settings = configured(
+    state = fold(read_survey(survey).events)
+    if not state.method:
+        settings = settings_of(
             state.field, strategy, samples, seed,
             metres=metres, minutes=minutes, strategy_settings=values(strategy_setting),
+            allowed=allowed_by(allow, strategy),
         )  # fmt: skip
-        state = fold((*read_events(survey), settings))
-    stops, reason = state.plan, state.reason
-    due = next_event(state)
-    if isinstance(due, Planned):
-        stops, reason = due.cells, due.reason
-    machine = Machine(state.cone)
+        state = apply(state, Configured(settings=settings))
+    state, _ = settled(state, allowed_by(allow))
+    stops = _next(state)
     way = length(travel_of(state.field), state.position, state.field.cells[list(stops)])
     result: dict[str, object] = {
         "survey": survey,
-        "strategy": state.configured.strategy,
+        "strategy": state.settings.strategy,
         "stops": len(stops),
         "metres": way,
-        "minutes": (way / machine.speed_mps + len(stops) * machine.stop_s) / 60,
-        "reason": reason,
+        "minutes": state.settings.pace.minutes(way, len(stops)),
+        "reason": state.finished or state.plan.reason,
     }
     if as_json:
         tell({**result, "plan": [_stop(state.field, cell) for cell in stops]}, as_json)
@@ -94,12 +93,12 @@ def status(
     as_json: AsJson = False,
 ) -> None:
     """Say how a survey stands, running or not: how good its map is, what more would buy."""
-    events = read_events(survey)
-    state = fold(events)
+    content = read_survey(survey)
+    events, state = content.events, fold(content.events)
     prospects = outlook(state)
     words = in_words(state, prospects)
-    notes = (*state.soil_map.notes, *too_sure(state), *out_of_reach(state, prospects))
-    result = {**summary(state), "notes": notes}
+    notes = (*content.notes, *state.notes, *too_sure(state), *out_of_reach(state, prospects))
+    result = {**summary(state), "notes": notes, "fingerprint": content.fingerprint}
     if out:
         result["picture"] = _draw(events, prospects, folder(out) / "outlook.png")
     if as_json:
@@ -123,21 +122,26 @@ def replay(
     as_json: AsJson = False,
 ) -> None:
     """Rebuild a survey as it was after an event."""
-    events = read_events(survey)
-    if at > len(events):
-        raise ParameterError(
-            f"there are {len(events)} events", where="--at", remedy=f"1 to {len(events)}"
-        )
-    state = fold(events[:at])
-    tell({"event": at, "kind": events[at - 1].kind, **summary(state)}, as_json)
+    content = read_survey(survey)
+    events = [event for seq, event in content.numbered if seq <= at]
+    if at > (last := content.last[0]):
+        raise ParameterError(f"there are {last} events", where="--at", remedy=f"1 to {last}")
+    tell({"event": at, "kind": events[-1].kind, **summary(fold(events))}, as_json)
 
 
-def verify(survey: SurveyFile, as_json: AsJson = False) -> None:
-    """Recompute everything from the events and compare; exit code 1 if anything differs."""
-    findings = differences(survey)
-    events = len(read_events(survey))
-    tell({"events": events, "findings": findings or "none"}, as_json)
-    if findings:
+def verify(survey: SurveyFile, allow: Allow = None, as_json: AsJson = False) -> None:
+    """Decide everything anew from the events and compare; exit code 1 if anything differs."""
+    allowed, (seq, digest) = allowed_by(allow), last_event(survey)
+    with progress("verifying", seq) as advance:
+        verdict = verdict_on(survey, allowed, lambda done: advance(done, ""))
+    result = {
+        "events": seq,
+        "fingerprint": fingerprint(digest),
+        "findings": verdict.findings or "none",
+        "notes": verdict.notes,
+    }
+    tell(result, as_json)
+    if verdict.findings:
         raise typer.Exit(1)
 
 
@@ -146,19 +150,21 @@ def summary(survey: Survey) -> dict[str, object]:
     result: dict[str, object] = {
         "field": survey.field.name,
         "area_ha": survey.field.area_ha,
-        "samples": len(survey.visited),
+        "samples": survey.taken,
         "refused": len(survey.refused),
         "metres": survey.metres,
         "minutes": survey.minutes,
         "mean_kv": survey.mean_kv,
         "std_dev_kpa": math.sqrt(survey.mean_kv),
-        "planned": len(survey.plan),
-        "next": _stop(survey.field, survey.plan[0]) if survey.plan else "none",
+        "planned": len(survey.plan.cells),
+        "next": _stop(survey.field, _next(survey)[0]) if _next(survey) else "none",
         "finished": survey.finished or "no",
-        "notes": survey.soil_map.notes,
+        "simulated": "yes" if survey.simulated else "no",
+        "agents": tuple(f"{agent.name} ({agent.kind})" for agent in survey.agents),
+        "notes": survey.notes,
     }
-    if survey.settings:
-        settings = survey.configured
+    if survey.method:
+        settings = survey.settings
         result |= {
             "strategy": settings.strategy,
             "estimator": settings.estimator,
@@ -171,6 +177,11 @@ def summary(survey: Survey) -> dict[str, object]:
         if not settings.rates.free:
             result |= {"money": survey.spent.money, "currency": settings.rates.currency}
     return result
+
+
+def _next(survey: Survey) -> tuple[int, ...]:
+    """Cells still to visit: those on somebody's way first."""
+    return (*(lease.cell for lease in survey.leases), *survey.plan.cells)
 
 
 def _draw(events: Sequence[Event], prospects: Outlook, path: Path) -> Path:

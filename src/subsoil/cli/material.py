@@ -66,7 +66,7 @@ def material_of(
     """
     if path.suffix.lower() == ".gpkg":
         survey = fold(read_events(path))
-        material = Material(survey.soil_map.samples, survey.layers, ())
+        material = Material(survey.soil_map.samples, survey.layers, (), survey.simulated)
     else:
         cone = Cone(cone_area) if cone_area is not None else None
         readings = read_readings(path, field=field, crs=crs, cone=cone, units=units)

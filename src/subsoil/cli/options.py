@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -12,14 +14,14 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from subsoil.cli.enough import checked
-from subsoil.cli.worlds import check_world
 from subsoil.errors import ParameterError
-from subsoil.events import Configured
 from subsoil.field import Field
+from subsoil.kriging.choice import DriftRule
 from subsoil.layers import Layers
+from subsoil.registry import NOBODY, module_of
 from subsoil.stopping import Goal, Rates
 from subsoil.strategies import strategy_named
+from subsoil.survey import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, checked
 from subsoil.variogram import estimator_named
 
 SurveyFile = Annotated[
@@ -47,6 +49,13 @@ StrategySettings = Annotated[
         help="Parameter of the strategy, such as way=0.8; may be repeated.",
     ),
 ]
+Allow = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="MODULE",
+        help="Module whose strategies a survey file may name and run; may be repeated.",
+    ),
+]
 CellSize = Annotated[float, typer.Option(help="Side of a cell in m.")]
 ConeArea = Annotated[
     float, typer.Option(help="Base area of the cone in mm2: 130 or 323 as a rule.")
@@ -54,14 +63,12 @@ ConeArea = Annotated[
 
 Edges = Annotated[str, typer.Option(help="Edges of the depth layers in m, comma-separated.")]
 
-DEFAULT_STRATEGY = "joint-adaptive"
-DEFAULT_ESTIMATOR = "pmc"
 _FREE = Rates()
 _NONE: Mapping[str, float] = MappingProxyType({})
 DEFAULT_EDGES = "0,0.05,0.1,0.15,0.2,0.25,0.3,0.35,0.4"
 
 
-def configured(
+def settings_of(
     field: Field,
     strategy: str,
     samples: int,
@@ -69,7 +76,6 @@ def configured(
     *,
     estimator: str = DEFAULT_ESTIMATOR,
     refit_every: int = 1,
-    world: str = "simulated",
     metres: float = math.inf,
     minutes: float = math.inf,
     mean_kv: float = 0.0,
@@ -78,33 +84,27 @@ def configured(
     goals: tuple[Goal, ...] = (),
     strategy_settings: Mapping[str, float | str] = _NONE,
     estimator_settings: Mapping[str, float] = _NONE,
-) -> Configured:
-    """Event that decides how to survey a field.
+    drift: DriftRule = "auto",
+    allowed: frozenset[str] = NOBODY,
+) -> Settings:
+    """How to survey a field, as options say.
 
     Raises
     ------
     ParameterError
-        If strategy, estimator or world are unknown, there are fewer cells than samples, or the
-        limits leave no room for one stop.
+        If strategy or estimator are unknown, there are fewer cells than samples, or the limits
+        leave no room for one stop.
     """
-    strategy_named(strategy, dict(strategy_settings))
-    estimator_named(estimator, field.extent_m, estimator_settings)
-    check_world(world)
-    if samples > len(field.cells):
-        raise ParameterError(
-            f"{samples} samples are more than the field's {len(field.cells)} cells",
-            where="--samples",
-            remedy="take fewer, or start a survey with smaller cells",
-        )
-    settings = Configured(
+    strategy_named(strategy, dict(strategy_settings), allowed)
+    estimator_named(estimator, field.extent_m, estimator_settings, allowed)
+    settings = Settings(
+        start=field.entrance,
         strategy=strategy,
         strategy_settings=dict(strategy_settings),
         estimator=estimator,
         estimator_settings=dict(estimator_settings),
         refit_every=refit_every,
         seed=seed,
-        start=field.entrance,
-        world=world,
         samples=samples,
         metres=metres,
         minutes=minutes,
@@ -112,8 +112,20 @@ def configured(
         money=money,
         rates=rates,
         goals=goals,
+        drift=drift,
     )
     return checked(settings, field)
+
+
+def allowed_by(modules: list[str] | None, *typed: str) -> frozenset[str]:
+    """Modules whose code may be run: those allowed, and those of names that the user typed.
+
+    For the latter the current folder is searched too, after everything else.
+    """
+    own = frozenset[str]().union(*(module_of(name) for name in typed))
+    if own and os.getcwd() not in sys.path:
+        sys.path.append(os.getcwd())
+    return own.union(modules or ())
 
 
 def values(settings: list[str] | None) -> dict[str, float | str]:
@@ -173,3 +185,6 @@ def layers_of(text: str) -> Layers:
             where="--layers",
             remedy="edges in metres, such as 0,0.1,0.2,0.4",
         ) from None
+
+
+__all__ = ["DEFAULT_ESTIMATOR", "DEFAULT_STRATEGY"]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from functools import reduce
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from subsoil.agent import drive
 from subsoil.cli import enough
 from subsoil.cli.known import Column, CovariateFile, Drift, covariate_of, rule_named
 from subsoil.cli.looking import summary
@@ -16,6 +18,7 @@ from subsoil.cli.options import (
     DEFAULT_EDGES,
     DEFAULT_ESTIMATOR,
     DEFAULT_STRATEGY,
+    Allow,
     Boundary,
     CellSize,
     ConeArea,
@@ -26,24 +29,28 @@ from subsoil.cli.options import (
     StrategyName,
     StrategySettings,
     SurveyFile,
-    configured,
+    allowed_by,
     layers_of,
     numbers,
+    settings_of,
     values,
 )
 from subsoil.cli.output import AsJson, Seed, progress, tell
-from subsoil.cli.worlds import robot_of, truth_of
-from subsoil.dispatch import LocalDispatch, drive
-from subsoil.errors import ParameterError
-from subsoil.events import BatterySwapped, Event, Planned, Refused, Sampled
+from subsoil.cli.worlds import SIMULATED, robot_of, simulation_of, soil_of, truth_of
+from subsoil.errors import JournalError, ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
-from subsoil.simulation import Machine
+from subsoil.reports import Refused, Sampled, Source
+from subsoil.simulation import Machine, Truth
 from subsoil.stopping import Rates
-from subsoil.survey import Survey, apply, fold, opening
+from subsoil.survey import LocalDispatch, Survey, fold, opening
+from subsoil.survey.events import Configured, Event, Planned, Simulation
 
-_AGENT = "simulated robot"
+Faster = Annotated[
+    float,
+    typer.Option(help="Times faster than a real robot the simulated one works.", min=0.001),
+]
 
 
 def init(
@@ -94,8 +101,12 @@ def run(
     estimator_setting: EstimatorSettings = None,
     refit_every: Annotated[int, typer.Option(help="Samples between refits.", min=1)] = 1,
     world: Annotated[
-        str, typer.Option(help="Soil of the simulated robot: simulated or riseholme.")
-    ] = "simulated",
+        str | None,
+        typer.Option(
+            help="Soil of the simulated robot: simulated or riseholme.",
+            show_default="the survey's own, else simulated",
+        ),
+    ] = None,
     metres: enough.Metres = math.inf,
     minutes: enough.Minutes = math.inf,
     money: enough.Money = math.inf,
@@ -112,6 +123,8 @@ def run(
     min_gain: enough.MinGain = None,
     kv: enough.MeanKv = 0.0,
     drift: Drift = "auto",
+    faster: Faster = math.inf,
+    allow: Allow = None,
     as_json: AsJson = False,
 ) -> None:
     """Survey: drive a robot from stop to stop until there is enough. Ctrl-C is safe."""
@@ -119,19 +132,24 @@ def run(
         raise ParameterError(f"there is no robot {robot!r}", where="--robot", remedy="sim")
     goals = enough.goals(target_rmse, probability, threshold_kpa, decided, confidence, min_gain)
     rule = rule_named(drift)
+    allowed = allowed_by(allow, strategy, estimator)
     with open_journal(survey) as journal:
         state = fold(journal.events())
-        settings = configured(
+        settings = settings_of(
             state.field, strategy, samples, seed,
-            estimator=estimator, refit_every=refit_every, world=world,
+            estimator=estimator, refit_every=refit_every,
             metres=metres, minutes=minutes, mean_kv=kv, money=money, goals=goals,
             rates=Rates(rate_hour, rate_km, rate_sample, call_out, currency),
             strategy_settings=values(strategy_setting),
             estimator_settings=numbers(estimator_setting),
+            drift=rule, allowed=allowed,
         )  # fmt: skip
-        settings = settings.model_copy(update={"drift": rule})
-        state = _work(journal, state, (settings,))
-    tell(summary(state), as_json)
+        truth, simulation = _soil(state, world, seed)
+        with _working(journal, state, settings.samples, allowed) as dispatch:
+            dispatch.record(Configured(settings=settings))
+            dispatch.join(SIMULATED, "simulator", simulation=simulation)
+            _work(dispatch, truth, faster)
+    tell({**summary(dispatch.survey), "notes": (*journal.notes, *dispatch.survey.notes)}, as_json)
 
 
 def resume(
@@ -139,30 +157,62 @@ def resume(
     fresh_battery: Annotated[
         bool, typer.Option("--fresh-battery", help="The robot got a full battery.")
     ] = False,
+    faster: Faster = math.inf,
+    allow: Allow = None,
     as_json: AsJson = False,
 ) -> None:
     """Go on with a survey that was stopped, exactly as if it had not been."""
+    allowed = allowed_by(allow)
     with open_journal(survey) as journal:
         state = fold(journal.events())
-        state = _work(journal, state, (BatterySwapped(),) if fresh_battery else ())
-    tell(summary(state), as_json)
+        truth = soil_of(state)
+        with _working(journal, state, state.settings.samples, allowed) as dispatch:
+            if fresh_battery:
+                dispatch.swap_battery(SIMULATED)
+            _work(dispatch, truth, faster)
+    tell({**summary(dispatch.survey), "notes": (*journal.notes, *dispatch.survey.notes)}, as_json)
 
 
-def _work(journal: Journal, state: Survey, first: tuple[Event, ...]) -> Survey:
-    """Drive the simulated robot through a survey with progress; returns the state it ends in."""
-    planned = reduce(apply, first, state).configured
-    with progress("surveying", planned.samples) as advance:
+@contextmanager
+def _working(
+    journal: Journal, state: Survey, samples: int, allowed: frozenset[str]
+) -> Iterator[LocalDispatch]:
+    """Dispatch of a survey that shows its progress."""
+    with progress("surveying", samples) as advance:
 
         def show(survey: Survey, event: Event) -> None:
             if isinstance(event, Sampled | Refused | Planned):
-                advance(len(survey.visited), _in_short(survey))
+                advance(survey.taken, _in_short(survey))
 
-        dispatch = LocalDispatch(state, journal, show)
-        for event in first:
-            dispatch.record(event)
-        truth = truth_of(planned.world, state.field, state.layers, planned.seed)
-        drive(_AGENT, robot_of(dispatch.survey, truth), dispatch)
-    return dispatch.survey
+        yield LocalDispatch(state, journal, show, allowed=allowed)
+
+
+def _work(dispatch: LocalDispatch, truth: Truth, faster: float) -> None:
+    """Drive the simulated robot through a survey."""
+    robot = robot_of(dispatch.survey, truth, faster)
+    drive(SIMULATED, robot, dispatch, source=Source(kind="simulator"))
+
+
+def _soil(survey: Survey, world: str | None, seed: int) -> tuple[Truth, Simulation]:
+    """The soil to survey, and its record: its own for a survey that was begun.
+
+    Raises
+    ------
+    JournalError
+        If the survey was begun in another one, or on real land.
+    """
+    if not survey.agents:
+        world = world or "simulated"
+        truth = truth_of(world, survey.field, survey.layers, seed)
+        return truth, simulation_of(truth, world, seed)
+    truth, begun = soil_of(survey), survey.simulation[0]
+    if world not in (None, begun.world):
+        raise JournalError(
+            f"it was begun in the soil {begun.world!r} and does not go on in {world!r}",
+            where=survey.name,
+            remedy=f"give --world {begun.world}, or start another survey",
+        )
+    return truth, begun
 
 
 def _in_short(survey: Survey) -> str:

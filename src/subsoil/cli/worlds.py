@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
-from subsoil.errors import ParameterError
+from subsoil.errors import JournalError, ParameterError
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate, surrogate
 from subsoil.survey import Survey
+from subsoil.survey.events import Simulation
 
+SIMULATED = "simulated robot"
+"""Name of the agent that a simulation is."""
 _TRUTH_STREAM = 0
+_CHECKED_CELLS = 3
 
 DEMO_OUTLINE = [
     (4, 10), (60, 2), (126, 6), (178, 22), (186, 74), (172, 128), (118, 140), (52, 134), (12, 122),
@@ -52,17 +57,60 @@ def check_world(world: str) -> None:
         )
 
 
-def robot_of(survey: Survey, truth: Truth) -> SimulatedRobot:
-    """Simulated robot that goes on where a survey stands."""
+def simulation_of(truth: Truth, world: str, seed: int) -> Simulation:
+    """Record of a soil, by which to tell whether it is the same again."""
+    cells = np.linspace(0, len(truth.field.cells) - 1, _CHECKED_CELLS).round().astype(int)
+    values = truth.kpa[:, cells].ravel()
+    return Simulation(world=world, seed=seed, check_kpa=tuple(values.tolist()))
+
+
+def soil_of(survey: Survey) -> Truth:
+    """The soil that a simulated survey began in, drawn again.
+
+    Raises
+    ------
+    JournalError
+        If real agents work on the survey, nobody has begun it, or the soil is not the same here.
+    """
+    real = [agent.name for agent in survey.agents if agent.kind != "simulator"]
+    if real:
+        raise JournalError(
+            f"{', '.join(real)} began it on real land, which is not simulated",
+            where=survey.name,
+            remedy="let that agent go on, or start another survey for a simulation",
+        )
+    if not survey.simulation:
+        raise JournalError(
+            "nobody has begun to survey", where=survey.name, remedy="subsoil run SURVEY.gpkg"
+        )
+    before = survey.simulation[0]
+    truth = truth_of(before.world, survey.field, survey.layers, before.seed)
+    again = simulation_of(truth, before.world, before.seed)
+    if before.check_kpa and not np.allclose(before.check_kpa, again.check_kpa, rtol=1e-6):
+        raise JournalError(
+            f"the soil it was simulated in, {before.world} of seed {before.seed}, comes out "
+            "differently here",
+            where=survey.name,
+            remedy="go on with the version of subsoil and the data that began it",
+        )
+    return truth
+
+
+def robot_of(
+    survey: Survey, truth: Truth, faster: float = math.inf, name: str = SIMULATED
+) -> SimulatedRobot:
+    """Simulated robot that goes on where it stands in a survey."""
     machine = Machine(survey.cone)
+    agent = survey.agent(name)
+    made = [stop.cell for stop in survey.stops if stop.agent == name]
+    position = survey.field.cells[made[-1]].tolist() if made else agent.position
     return SimulatedRobot(
         truth,
         machine,
-        seed=survey.configured.seed,
-        position=survey.position,
-        stop=survey.step,
-        pushed=survey.pushed,
-        battery_s=machine.battery_s - (survey.seconds - survey.charged_at),
+        seed=survey.simulation[0].seed,
+        position=position,
+        battery_s=machine.battery_s - (agent.seconds - agent.charged_at),
+        faster=faster,
     )
 
 

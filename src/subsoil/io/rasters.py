@@ -6,6 +6,7 @@ keep-outs, and in layers that no sample reached are NaN.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -104,7 +105,8 @@ def to_dataset(soil_map: SoilMap, field: Field) -> Dataset:
     }
     if field.crs:
         coordinates["crs"] = ((), 0, named_crs(field.crs, field.name).to_cf())
-    about = {"Conventions": "CF-1.11", "title": field.name, "samples": len(soil_map.samples)}
+    title = f"{field.name}, simulated" if soil_map.simulated else field.name
+    about = {"Conventions": "CF-1.11", "title": title, "samples": len(soil_map.samples)}
     dataset: Dataset = xarray.Dataset(variables, coordinates, about)
     return dataset
 
@@ -139,14 +141,20 @@ def write_geotiffs(soil_map: SoilMap, field: Field, folder: Path) -> tuple[Path,
         "mean_kpa.tif": soil_map.mean,
         "std_dev_kpa.tif": standard_deviation(soil_map.variance),
     }
+    names = soil_map.layers.names
+    about = {"SAMPLES": str(len(soil_map.samples))}
+    if soil_map.simulated:
+        names, about = tuple(f"{name}, simulated" for name in names), {**about, "SIMULATED": "yes"}
     return tuple(
-        _write(Path(folder) / name, field.grid.image(values), soil_map.layers.names, field)
+        _write(Path(folder) / name, field.grid.image(values), names, field, about)
         for name, values in rasters.items()
     )
 
 
-def _write(path: Path, bands: Floats, names: tuple[str, ...], field: Field) -> Path:
-    """Write bands (m, ny, nx), rows from south to north."""
+def _write(
+    path: Path, bands: Floats, names: tuple[str, ...], field: Field, about: Mapping[str, str]
+) -> Path:
+    """Write bands (m, ny, nx), rows from south to north, and what to know of them."""
     rasterio = _extra("rasterio", "a GeoTIFF")
     size, grid = field.cell_size, field.grid
     west, north = grid.easting[0] - size / 2, grid.northing[-1] + size / 2
@@ -163,6 +171,7 @@ def _write(path: Path, bands: Floats, names: tuple[str, ...], field: Field) -> P
         raster.write(bands[:, ::-1].astype(np.float32))
         raster.descriptions = names
         raster.units = ("kPa",) * len(bands)
+        raster.update_tags(**about)
     return path
 
 

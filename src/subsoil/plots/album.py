@@ -64,7 +64,7 @@ def draw_readings(soil_map: SoilMap, field: Field, fits: Sequence[Fit]) -> dict[
     MissingExtraError
         If matplotlib is not installed.
     """
-    caption = _samples(len(soil_map.samples))
+    caption = _samples(len(soil_map.samples)) + _origin(soil_map)
     return {
         "depth_slices": depth_slices(soil_map, field, caption=_on_land(caption, field)),
         "std_dev": std_dev(soil_map, field, caption=_on_land(caption, field)),
@@ -98,7 +98,8 @@ def draw_survey(
     """
     soil_map, field = survey.soil_map, survey.field
     caption = (
-        f"{_samples(len(survey.visited))}, {survey.metres:.0f} m driven, {survey.minutes:.0f} min"
+        f"{_samples(survey.taken)}, {survey.metres:.0f} m driven, {survey.minutes:.0f} min"
+        f"{_origin(soil_map)}"
     )
     slices = depth_slices(
         soil_map,
@@ -120,10 +121,10 @@ def draw_survey(
 def way(survey: Survey) -> NDArray[np.float64]:
     """(p, 2) places in m along the way of a survey.
 
-    It leads from the start, where the survey was given one, through the samples in order, around
+    It leads from the start, where that was decided, through the samples in order, around
     what lies between them.
     """
-    start = [settings.start for settings in survey.settings[:1]]
+    start = [survey.settings.start] if survey.method else []
     places = np.array([*start, *survey.soil_map.at.tolist()]).reshape(-1, 2)
     if not len(places):
         return places
@@ -139,6 +140,10 @@ def _save(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:
 
 def _samples(number: int) -> str:
     return f"{number} sample{'' if number == 1 else 's'}"
+
+
+def _origin(soil_map: SoilMap) -> str:
+    return ", simulated" if soil_map.simulated else ""
 
 
 def _on_land(caption: str, field: Field) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.routing import length, reroute
-from subsoil.stopping import FEWEST, Pace, SureRmse, TargetRmse, forecast, further
+from subsoil.stopping import FEWEST, SureRmse, TargetRmse, forecast, further
 from subsoil.survey import Survey
 from subsoil.travel import travel_of
 from subsoil.uncertainty import MeanSquare, mean_square_error, predicted_rmse
@@ -88,27 +88,26 @@ def outlook(survey: Survey) -> Outlook:
     """
     soil_map = survey.soil_map
     rmse, error = predicted_rmse(soil_map), mean_square_error(soil_map)
-    samples = len(survey.visited)
+    samples = survey.taken
     if samples < 2:
         return Outlook(samples, rmse, error, (), 0)
-    planned = survey.plan[:_MOST]
+    planned = survey.plan.cells[:_MOST]
     taken = (*survey.visited, *survey.refused)
     new = further(soil_map, taken, planned, _stops_ahead(survey) - len(planned))
     metres = _metres(survey, planned, new)
     predicted = forecast(soil_map, (*planned, *new))
-    settings = survey.settings[-1:]
-    pace = settings[0].pace if settings else Pace()
+    settings = survey.settings
     ahead = []
     for more, (way, then) in enumerate(zip(metres, predicted.tolist(), strict=True), start=1):
-        minutes = pace.minutes(way, more)
-        money = settings[0].rates.more(more, way, minutes) if settings else 0.0
+        minutes = settings.pace.minutes(way, more)
+        money = settings.rates.more(more, way, minutes)
         ahead.append(Prospect(more, minutes, money, then))
     return Outlook(samples, rmse, error, tuple(ahead), len(planned))
 
 
 def in_words(survey: Survey, outlook: Outlook) -> str:
     """Say how good the map is, and what more would buy."""
-    n = len(survey.visited)
+    n = survey.taken
     head = f"{n} {'sample' if n == 1 else 'samples'} in {survey.minutes:.0f} min"
     if n < 2:
         return f"{head}: too few to say how good the map is."
@@ -125,8 +124,8 @@ def _more_in_words(survey: Survey, entries: Sequence[Prospect]) -> Iterator[str]
     if not entries:
         return
     costs = [f"{entry.minutes:.0f} min" for entry in entries]
-    if survey.settings and not survey.configured.rates.free:
-        currency = survey.configured.rates.currency
+    if not survey.settings.rates.free:
+        currency = survey.settings.rates.currency
         costs = [
             f"{c}, {entry.money:.0f} {currency}" for c, entry in zip(costs, entries, strict=True)
         ]
@@ -139,8 +138,8 @@ def _more_in_words(survey: Survey, entries: Sequence[Prospect]) -> Iterator[str]
 
 def too_sure(survey: Survey) -> Iterator[str]:
     """Whether what is said of the error is to be believed, by how variograms are estimated."""
-    estimator = ESTIMATORS.get(survey.configured.estimator) if survey.settings else None
-    if isinstance(estimator, LeastSquares) and len(survey.visited) > 1:
+    estimator = ESTIMATORS.get(survey.settings.estimator)
+    if isinstance(estimator, LeastSquares) and survey.taken > 1:
         yield (
             "least-squares variograms of few samples make the error look smaller than it is: "
             "the estimator pmc does not"
@@ -152,10 +151,10 @@ def out_of_reach(survey: Survey, outlook: Outlook) -> Iterator[str]:
     if survey.finished or not outlook.ahead:
         return
     within = _within_limits(survey, outlook)
-    if len(within) == len(outlook.ahead) < survey.configured.samples - len(survey.visited):
+    if len(within) == len(outlook.ahead) < survey.settings.samples - survey.taken:
         return
     best = min((entry.rmse for entry in within), default=outlook.rmse)
-    for goal in survey.configured.goals:
+    for goal in survey.settings.goals:
         if isinstance(goal, TargetRmse | SureRmse) and best > (needed := _needed(goal, outlook)):
             yield (
                 f"the target RMSE of {goal.kpa:g} kPa is out of reach: it takes a predicted RMSE "
@@ -171,7 +170,7 @@ def _needed(goal: TargetRmse | SureRmse, outlook: Outlook) -> float:
 
 
 def _within_limits(survey: Survey, outlook: Outlook) -> tuple[Prospect, ...]:
-    limits, spent = survey.configured.limits, survey.spent
+    limits, spent = survey.settings.limits, survey.spent
     return tuple(
         entry
         for entry in outlook.ahead
@@ -183,8 +182,8 @@ def _within_limits(survey: Survey, outlook: Outlook) -> tuple[Prospect, ...]:
 
 def _stops_ahead(survey: Survey) -> int:
     """How many stops to look ahead: to the end of the survey, and some more."""
-    left = survey.configured.samples - len(survey.visited) if survey.settings else 0
-    return min(_MOST, max(_MANY, len(survey.plan), left))
+    left = survey.settings.samples - survey.taken
+    return min(_MOST, max(_MANY, len(survey.plan.cells), left))
 
 
 def _metres(survey: Survey, planned: tuple[int, ...], new: list[int]) -> list[float]:

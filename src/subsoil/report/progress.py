@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import accumulate
 from math import nan
 
-from subsoil.events import Event, Opened, Planned
 from subsoil.survey import apply, opened
+from subsoil.survey.events import Event, Opened, Planned
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def progress_of(opening: Opened, events: Sequence[Event]) -> tuple[Progress, ...
     states = accumulate(events, apply, initial=opened(opening))
     next(states)
     return tuple(
-        Progress(len(state.visited), state.metres, state.minutes, event.mean_kv, nan)
+        Progress(state.taken, state.metres, state.minutes, event.mean_kv, nan)
         for event, state in zip(events, states, strict=True)
-        if isinstance(event, Planned) and len(state.visited) > 1
+        if isinstance(event, Planned) and state.taken > 1
     )

@@ -36,31 +36,39 @@ def headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str,
     yield "Field", field.name
     yield "Area", f"{field.area_ha:.2f} ha, {len(field.cells)} cells of {field.cell_size:g} m"
     yield "CRS", field.crs or "none: a local frame"
-    yield "Samples", str(len(survey.visited))
+    yield "Samples", str(survey.taken)
     yield "Stops without a reading", str(len(survey.refused))
     yield "Way driven", f"{survey.metres:.0f} m"
     yield "Time", f"{survey.minutes:.0f} min"
-    for settings in survey.settings[-1:]:
-        if not settings.rates.free:
-            yield "Cost", f"{survey.spent.money:,.0f} {settings.rates.currency}"
+    settings = survey.settings
+    if not settings.rates.free:
+        yield "Cost", f"{survey.spent.money:,.0f} {settings.rates.currency}"
     yield "Mean kriging variance", _variance(survey.mean_kv)
-    if len(survey.visited) > 1:
+    if survey.taken > 1:
         yield "Outlook", in_words(survey, outlook(survey))
     if history and math.isfinite(history[-1].rmse):
         last = history[-1]
         after = _count(last.samples, "sample", "samples")
         yield "RMSE", f"{last.rmse:.0f} kPa against the simulated truth after {after}"
-    for settings in survey.settings[-1:]:
+    if survey.method:
         yield "Strategy", settings.strategy
         every = f"{settings.refit_every} samples" if settings.refit_every > 1 else "sample"
         yield "Estimator", f"{settings.estimator}, fitted anew every {every}"
         yield "Seed", str(settings.seed)
-        yield "World", settings.world
+    yield "Readings", _origin(survey)
     yield "Cone", f"{survey.cone.area_mm2:g} mm², {survey.cone.angle_deg:g}°"
     yield (
         "State",
-        survey.finished or f"under way, {_count(len(survey.plan), 'stop', 'stops')} planned",
+        survey.finished or f"under way, {_count(len(survey.plan.cells), 'stop', 'stops')} planned",
     )
+
+
+def _origin(survey: Survey) -> str:
+    """Say who took the readings, and whether they were simulated."""
+    if survey.simulated:
+        worlds = dict.fromkeys(each.world for each in survey.simulation)
+        return f"simulated, {', '.join(worlds) or 'of an unknown soil'}"
+    return ", ".join(f"{agent.name} ({agent.kind})" for agent in survey.agents) or "none"
 
 
 def _variance(kpa2: float) -> str:
@@ -129,7 +137,7 @@ def notes(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> I
             "The truth is simulated, and its error says how the survey did on that soil. It does "
             "not say how it would do on another field."
         )
-    yield from soil_map.notes
+    yield from survey.notes
 
 
 def _pushes(soil_map: SoilMap, state: LayerState) -> int:

@@ -88,11 +88,6 @@ class Machine:
         if not ok or not np.isfinite(value):
             raise ParameterError(f"{name} must be {need}, not {value:g}", where="machine")
 
-    @property
-    def longest_stop_s(self) -> float:
-        """Time in s of a stop that takes all its tries."""
-        return self.stop_s + (self.tries - 1) * self.retry_s
-
 
 def push(machine: Machine, layers: Layers, kpa: Floats, rng: np.random.Generator) -> Insertion:
     """Push the rod once into soil of known layer means.

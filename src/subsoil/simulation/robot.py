@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
-from math import cos, isfinite, pi, sin
+from math import cos, inf, isfinite, pi, sin
+from time import monotonic, sleep
 
 import numpy as np
 
-from subsoil.errors import BatteryError, RobotError
-from subsoil.penetrometer import Insertion
-from subsoil.robot import Arrival, Push, Refusal
+from subsoil.agent import Arrival, Assignment, Push, Refusal, Unreachable
+from subsoil.errors import BatteryError
+from subsoil.penetrometer import Insertion, reading_of
+from subsoil.reports import STOPPED, Place
 from subsoil.simulation.probe import Machine, push
 from subsoil.simulation.truth import Truth
 from subsoil.travel import travel_of
 
 ROBOT = 1
 """Key of the robot's random streams under a survey's seed."""
-
-Place = tuple[float, float]
+_LOOK_S = 0.05
+"""Time in s after which it looks again whether it was told to stop."""
 
 
 class SimulatedRobot:
-    """A :class:`subsoil.robot.Robot` in a simulated soil.
+    """A :class:`subsoil.agent.Robot` in a simulated soil.
 
     Chance is a pure function of the seed and the number of the stop, and everything else about
-    the robot is in its arguments: a robot made with another's ``position``, ``stops`` and
-    ``battery_s`` goes on exactly as that one would.
+    the robot is in its arguments: a robot made with another's ``position`` and ``battery_s`` goes
+    on exactly as that one would.
 
     It drives the shortest way (:class:`subsoil.travel.Travel`) and arrives exactly where it was
     sent; what it reports is off by the error of its receiver, the same for arrival and holes of a
@@ -42,12 +44,10 @@ class SimulatedRobot:
         Seed of the survey.
     position
         Easting and northing in m where it really stands: where it was last sent.
-    stop
-        Number of stops already made, one where pushes are still due included.
-    pushed
-        Number of pushes made where it stands, if more are to follow.
     battery_s
         Time in s the battery still lasts; by default it is full.
+    faster
+        How many times faster than a real one it works. Default: at once.
 
     Examples
     --------
@@ -57,8 +57,8 @@ class SimulatedRobot:
     >>> field = Field.from_metres([(0, 0), (50, 0), (50, 40), (0, 40)])
     >>> truth = simulate(field, np.random.default_rng(1))
     >>> robot = SimulatedRobot(truth, Machine(SMALL_CONE), seed=1, position=(0.0, 0.0))
-    >>> robot.go_to((30.0, 40.0)).metres, robot.probe().seconds, robot.stops
-    (50.0, 50.0, 1)
+    >>> robot.go_to(Assignment("a", 0, 0, (30.0, 40.0))).metres, robot.probe().seconds
+    (50.0, 50.0)
     """
 
     def __init__(
@@ -68,35 +68,38 @@ class SimulatedRobot:
         *,
         seed: int,
         position: Place,
-        stop: int = 0,
-        pushed: int = 0,
         battery_s: float | None = None,
+        faster: float = inf,
     ) -> None:
         self.truth, self.machine, self.seed = truth, machine, seed
         self.position: Place = (float(position[0]), float(position[1]))
-        self.stops, self.pushed = stop, pushed
         self.battery_s = machine.battery_s if battery_s is None else battery_s
-        self._resting = False
+        self.stop_number, self.pushed = 0, 0
+        self._faster = faster
+        self._stopped = False
 
-    def go_to(self, at: Place) -> Arrival:
-        """Drive to a place given as easting and northing in m; where it stands, stay at the stop.
+    def go_to(self, stop: Assignment) -> Arrival | Unreachable:
+        """Drive to a stop; where it stands, stay.
 
         Raises
         ------
         BatteryError
             If the battery does not last for the drive and a stop with all its tries; the robot
             then stays where it is.
-        RobotError
-            If the place is not a place, or the robot was stopped.
         """
+        at = stop.at
         if not (isfinite(at[0]) and isfinite(at[1])):
-            raise RobotError(f"cannot drive to ({at[0]:g}, {at[1]:g})", remedy="give metres")
+            return Unreachable(f"({at[0]:g}, {at[1]:g}) is no place", self.position)
         metres = float(travel_of(self.truth.field).between(self.position, at)[0, 0])
+        if not isfinite(metres):
+            return Unreachable("no way leads there", self.position)
         seconds = metres / self.machine.speed_mps
-        pushed = self.pushed if tuple(at) == self.position else 0
-        self._check_ready(seconds + self._longest_s(pushed))
+        self._check_battery(seconds + self._longest_s(stop.made), stop.number)
+        if self._halted(seconds):
+            return Unreachable(STOPPED, self.position)
         self.battery_s -= seconds
-        self.position, self.pushed = (float(at[0]), float(at[1])), pushed
+        self.position = (float(at[0]), float(at[1]))
+        self.stop_number, self.pushed = stop.number, stop.made
         return Arrival(self._reported(self._stream()), metres, seconds)
 
     def probe(self) -> Push | Refusal:
@@ -108,26 +111,32 @@ class SimulatedRobot:
         ------
         BatteryError
             If the battery does not last for all tries.
-        RobotError
-            If the robot was stopped.
         """
-        self._check_ready(self._longest_s(self.pushed))
+        self._check_battery(self._longest_s(self.pushed), self.stop_number)
         rng = self._stream()
         east, north = self._reported(rng)
         pushes = self._pushes(self._stream(self.pushed) if self.pushed else rng)
         seconds = self._first_s(self.pushed) + (len(pushes) - 1) * self.machine.retry_s
-        self.stops += not self.pushed
+        if self._halted(seconds):
+            return Refusal(STOPPED, 0.0, 0)
         self.pushed += 1
         self.battery_s -= seconds
         (across, along), best = max(pushes, key=lambda each: each[1].depth_m[-1])
         if best.depth_m[-1] < self.machine.usable_m:
             reason = f"the rod got no deeper than {best.depth_m[-1]:.3f} m"
             return Refusal(reason, seconds, len(pushes))
-        return Push((east + across, north + along), best, seconds, len(pushes))
+        return Push((east + across, north + along), reading_of(best), seconds, len(pushes))
 
     def stop(self) -> None:
-        """Come to rest and stay: driving or probing again raises :class:`RobotError`."""
-        self._resting = True
+        """Come to rest and stay: from now on it goes nowhere and probes nothing."""
+        self._stopped = True
+
+    def _halted(self, seconds: float) -> bool:
+        """Spend some time; whether it was told to stop meanwhile, or before."""
+        end = monotonic() + seconds / self._faster
+        while not self._stopped and (left := end - monotonic()) > 0:
+            sleep(min(left, _LOOK_S))
+        return self._stopped
 
     def _pushes(self, rng: np.random.Generator) -> list[tuple[Place, Insertion]]:
         """Offset of each hole and what the push there gave, until one goes through."""
@@ -161,22 +170,18 @@ class SimulatedRobot:
 
     def _stream(self, *push: int) -> np.random.Generator:
         """Random generator of the stop it is at, or of a further push there."""
-        stop = self.stops - (self.pushed > 0)
-        return np.random.default_rng(
-            np.random.SeedSequence(self.seed, spawn_key=(ROBOT, stop, *push))
-        )
+        key = (ROBOT, self.stop_number, *push)
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=key))
 
     def _reported(self, rng: np.random.Generator) -> Place:
         error = self.machine.fix_sd_m * rng.standard_normal(2)
         return (self.position[0] + float(error[0]), self.position[1] + float(error[1]))
 
-    def _check_ready(self, seconds: float) -> None:
-        if self._resting:
-            raise RobotError("the robot was stopped", remedy="start it anew")
+    def _check_battery(self, seconds: float, stop: int) -> None:
         if seconds > self.battery_s:
             raise BatteryError(
                 f"{self.battery_s / 60:.0f} minutes of battery are left and the next stop may "
                 f"take {seconds / 60:.0f}",
-                where=f"stop {self.stops + 1}",
+                where=f"stop {stop + 1}",
                 remedy="change the battery, then `subsoil resume --fresh-battery`",
             )

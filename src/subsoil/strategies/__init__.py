@@ -1,20 +1,20 @@
 """Strategies: where to probe next.
 
 A strategy is one callable from a :class:`View` to a :class:`Plan`. Those of the paper are here by
-name; any other is given as ``module:attribute``.
+name; any other comes with an installed package, or is given as ``module:attribute`` and allowed.
 """
 
 from __future__ import annotations
 
 from functools import partial
-from importlib import import_module
 from inspect import Parameter, signature
 from typing import Any, cast
 
 from subsoil.errors import ParameterError
+from subsoil.registry import NOBODY, Registry
 from subsoil.strategies.adaptive import adaptive_greedy, adaptive_monte_carlo
 from subsoil.strategies.coverage import area_split, random, w_shape
-from subsoil.strategies.joint_plans import joint, joint_adaptive
+from subsoil.strategies.joint_plans import designs_for, joint, joint_adaptive
 from subsoil.strategies.next_best_view import greedy, monte_carlo
 from subsoil.strategies.view import Plan, Strategy, View
 
@@ -32,42 +32,41 @@ STRATEGIES: dict[str, Strategy] = {
 """Strategies by name."""
 
 
-def strategy_named(name: str, settings: dict[str, float | str] | None = None) -> Strategy:
-    """Strategy of a registered name or of ``module:attribute``, with some parameters set.
+_REGISTRY: Registry[Strategy] = Registry("strategy", "subsoil.strategies", STRATEGIES)
+
+
+def strategy_named(
+    name: str,
+    settings: dict[str, float | str] | None = None,
+    allowed: frozenset[str] = NOBODY,
+) -> Strategy:
+    """Strategy of a registered name, with some parameters set.
+
+    Parameters
+    ----------
+    name
+        Built in, or an entry point ``subsoil.strategies`` of an installed package, or
+        ``module:attribute`` of an allowed module.
+    settings
+        Parameters of the strategy that differ from what they are otherwise.
+    allowed
+        Modules that may be imported.
 
     Raises
     ------
     ParameterError
         If there is no such strategy, or it has no such parameter.
+    NotAllowedError
+        If it is code of a module that is not allowed.
 
     Examples
     --------
-    >>> strategy_named("greedy") is strategy_named("subsoil.strategies:greedy")
+    >>> own = strategy_named("subsoil.strategies:greedy", allowed=frozenset(["subsoil.strategies"]))
+    >>> strategy_named("greedy") is own
     True
     """
-    strategy = STRATEGIES[name] if name in STRATEGIES else _imported(name)
+    strategy = _REGISTRY.named(name, allowed)
     return _with_settings(name, strategy, settings) if settings else strategy
-
-
-def _imported(name: str) -> Strategy:
-    module, _, attribute = name.partition(":")
-    if not attribute:
-        raise ParameterError(
-            f"there is no strategy {name!r}",
-            where="strategy",
-            remedy=f"one of {', '.join(STRATEGIES)}, or your own as module:attribute",
-        )
-    try:
-        strategy: Strategy = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
-        raise ParameterError(
-            f"cannot import {name!r}: {error}",
-            where="strategy",
-            remedy="check that Python finds the module from here",
-        ) from error
-    if not callable(strategy):
-        raise ParameterError(f"{name!r} is not callable", where="strategy")
-    return strategy
 
 
 def _with_settings(name: str, strategy: Strategy, settings: dict[str, float | str]) -> Strategy:
@@ -109,4 +108,4 @@ def _suiting(parameter: Parameter, value: float | str) -> float | str:
     return int(value) if isinstance(default, int) else value
 
 
-__all__ = ["STRATEGIES", "Plan", "Strategy", "View", "strategy_named"]
+__all__ = ["STRATEGIES", "Plan", "Strategy", "View", "designs_for", "strategy_named"]

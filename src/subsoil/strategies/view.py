@@ -50,7 +50,11 @@ class View:
     pushes
         How often to push at each stop of the plan; empty for once.
     repeats
-        Cells of pushes beyond the first of their stop, in order.
+        Cells of readings beyond the first of their cell, in order.
+    taken
+        Samples taken, those outside all cells included.
+    leased
+        Cells that agents are on their way to: taken, for a strategy.
     """
 
     field: Field
@@ -68,11 +72,14 @@ class View:
     minutes_left: float = inf
     pushes: tuple[int, ...] = ()
     repeats: tuple[int, ...] = ()
+    taken: int = 0
+    leased: tuple[int, ...] = ()
 
     @property
     def remaining(self) -> int:
         """Samples still to take, at most as many as cells are left for them."""
-        return min(self.budget - len(self.visited), int(self.free.sum()) + len(self.plan))
+        left = self.budget - max(self.taken, len(self.visited)) - len(self.leased)
+        return max(0, min(left, int(self.free.sum()) + len(self.plan)))
 
     @property
     def readings(self) -> tuple[int, ...]:
@@ -81,9 +88,9 @@ class View:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """(N,) cells neither probed, refused nor planned."""
+        """(N,) cells neither probed, refused, planned nor on anybody's way."""
         mask = np.ones(len(self.field.cells), dtype=bool)
-        mask[[*self.visited, *self.refused, *self.plan]] = False
+        mask[[*self.visited, *self.refused, *self.leased, *self.plan]] = False
         return mask
 
     @property

@@ -19,6 +19,7 @@ from subsoil.variogram.estimators import (
     ESTIMATORS,
     Estimator,
     LeastSquares,
+    bins_of,
     estimator_named,
     paper_10,
 )
@@ -70,6 +71,7 @@ __all__ = [
     "Structure",
     "Variogram",
     "Weights",
+    "bins_of",
     "empirical",
     "empirical_layers",
     "estimator_named",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from math import inf
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
+from subsoil.registry import NOBODY, Registry
 from subsoil.variogram.empirical import (
     EmpiricalVariogram,
     Formula,
@@ -116,9 +117,7 @@ class LeastSquares:
         ParameterError
             If a bin of repeats at distance 0 would have an infinite weight.
         """
-        curves = empirical_layers(
-            at, z, bin_width=self.bin_width, cutoff=self.cutoff, estimator=self.estimator
-        )
+        curves = self.bins(at, z)
         samples = [layer[~np.isnan(layer)] for layer in z]
         lacks = [_lack(curve, known.size) for curve, known in zip(curves, samples, strict=True)]
         fits = iter(
@@ -135,6 +134,12 @@ class LeastSquares:
         return tuple(
             self._prior(curve, known, lack) if lack else next(fits)
             for curve, known, lack in zip(curves, samples, lacks, strict=True)
+        )
+
+    def bins(self, at: Floats, z: Floats) -> tuple[EmpiricalVariogram, ...]:
+        """Empirical variogram of each layer, which its model is fitted to."""
+        return empirical_layers(
+            at, z, bin_width=self.bin_width, cutoff=self.cutoff, estimator=self.estimator
         )
 
     def _prior(self, curve: EmpiricalVariogram, z: Floats, lack: str) -> Fit:
@@ -187,39 +192,66 @@ ESTIMATORS: dict[str, LeastSquares | Pooled | Reml] = {
 """Estimators by the name the command line and the journal use."""
 
 
+_REGISTRY: Registry[Estimator] = Registry("estimator", "subsoil.estimators", ESTIMATORS)
+
+
 def estimator_named(
-    name: str, extent_m: float = EXTENT_M, settings: Mapping[str, float] = NO_SETTINGS
+    name: str,
+    extent_m: float = EXTENT_M,
+    settings: Mapping[str, float] = NO_SETTINGS,
+    allowed: frozenset[str] = NOBODY,
 ) -> Estimator:
     """Estimator of a name, for a field of some size, with some parameters set.
 
     Parameters
     ----------
     name
-        One of :data:`ESTIMATORS`.
+        One of :data:`ESTIMATORS`, or an entry point ``subsoil.estimators`` of an installed package,
+        or ``module:attribute`` of an allowed module.
     extent_m
         Diagonal of the field in m, which a pooled correlogram takes its ranges in proportion to.
     settings
         Parameters that differ from what they are otherwise.
+    allowed
+        Modules that may be imported.
 
     Raises
     ------
     ParameterError
         If there is none of that name, it has no such parameter, or the parameter cannot be that.
+    NotAllowedError
+        If it is code of a module that is not allowed.
 
     Examples
     --------
     >>> estimator_named("pmc", 444.0).median_range, ESTIMATORS["pmc"].median_range
     (90.0, 45.0)
     """
-    if name not in ESTIMATORS:
-        raise ParameterError(
-            f"there is no estimator {name!r}",
-            where="estimator",
-            remedy=f"one of {', '.join(ESTIMATORS)}",
-        )
-    found = ESTIMATORS[name]
+    found = _REGISTRY.named(name, allowed)
     estimator = found.scaled_to(extent_m) if isinstance(found, Pooled) else found
-    return replace(estimator, **_checked(name, estimator, settings)) if settings else estimator
+    if not settings:
+        return estimator
+    if not is_dataclass(estimator) or isinstance(estimator, type):
+        raise ParameterError(f"estimator {name} has no parameters", where="estimator")
+    changed: Estimator = replace(estimator, **_checked(name, estimator, settings))
+    return changed
+
+
+def bins_of(estimator: Estimator, at: Floats, z: Floats) -> tuple[EmpiricalVariogram, ...]:
+    """Empirical variogram of each layer in the bins that an estimator looks at.
+
+    Parameters
+    ----------
+    estimator
+        What the variograms are estimated by.
+    at
+        (n, 2) places in m.
+    z
+        (m, n) values, NaN where a layer was not measured.
+    """
+    if isinstance(estimator, LeastSquares):
+        return estimator.bins(at, z)
+    return empirical_layers(at, z)
 
 
 def _checked(

@@ -17,6 +17,9 @@ APPLICATION_ID = 0x47504B47
 _USER_VERSION = 10300
 _LOCAL_SRS = -1
 _FIRST_OWN_SRS = 100_000
+_HEADER = 8
+_ENVELOPES = {0: 0, 1: 32, 2: 48, 3: 48, 4: 64}
+"""Bytes of each kind of envelope between header and geometry."""
 
 _TABLES = """
 CREATE TABLE gpkg_spatial_ref_sys (
@@ -65,6 +68,11 @@ def initialise(database: sqlite3.Connection, crs: str) -> int:
         systems,
     )
     return systems[-1][1] if crs else _LOCAL_SRS
+
+
+def srs_of_frame(crs: str) -> int:
+    """Id that layers in a frame refer to; that of the local frame for an empty name."""
+    return _system(crs)[1] if crs else _LOCAL_SRS
 
 
 def _system(name: str) -> tuple[str, int, str, int, str]:
@@ -131,6 +139,31 @@ def add_table(
         " VALUES (?, 'attributes', ?, ?)",
         (table, table, description),
     )
+
+
+def add_columns(database: sqlite3.Connection, table: str, columns: Mapping[str, str]) -> None:
+    """Add the columns of a table that it does not have yet; unique ones only without that."""
+    known = {row[1] for row in database.execute(f"PRAGMA table_info({table})")}
+    _check(table, *columns)
+    for name, kind in columns.items():
+        if name not in known:
+            database.execute(f"ALTER TABLE {table} ADD COLUMN {name} {kind.split()[0]}")
+
+
+def geometry_of(blob: bytes) -> BaseGeometry:
+    """Geometry of a GeoPackage binary.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    if blob[:2] != b"GP" or len(blob) < _HEADER:
+        raise ValueError("not a geometry of a GeoPackage")
+    envelope = _ENVELOPES.get(blob[3] >> 1 & 0b111)
+    if envelope is None:
+        raise ValueError("a geometry with an unknown envelope")
+    return shapely.from_wkb(blob[_HEADER + envelope :])
 
 
 def insert(

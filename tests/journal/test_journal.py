@@ -17,16 +17,14 @@ import numpy as np
 import pyogrio
 import pytest
 
-from subsoil.dispatch import LocalDispatch, drive
 from subsoil.errors import CorruptJournalError, JournalError, SurveyBusyError
-from subsoil.events import Configured, Finished, Opened, Planned
-from subsoil.journal import create, open_journal, read_events
-from subsoil.simulation import SimulatedRobot, Truth
-from subsoil.survey import Survey, fold
-from subsoil.verification import verify
+from subsoil.journal import create, open_journal, read_events, verify
+from subsoil.simulation import Truth
+from subsoil.survey import LocalDispatch, Survey, fold
+from subsoil.survey.events import Configured, Finished, Opened, Planned
 
 Configure = Callable[..., Configured]
-RobotAt = Callable[[Survey, Truth], SimulatedRobot]
+Work = Callable[[LocalDispatch, Truth], str]
 
 OUTLINE = "easting,northing\n0,0\n60,0\n60,40\n0,40\n"
 
@@ -39,25 +37,12 @@ def done(*arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(subsoil(*arguments), capture_output=True, text=True, check=False)
 
 
-@pytest.fixture
-def finished(
-    tmp_path: Path, plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
-) -> Path:
-    """A survey file of eight samples."""
-    path = tmp_path / "survey.gpkg"
-    with create(path, plot_opened) as journal:
-        dispatch = LocalDispatch(fold(journal.events()), journal)
-        dispatch.record(configured())
-        drive("robot", robot_at(dispatch.survey, plot_truth), dispatch)
-    return path
-
-
 def test_a_closed_file_holds_every_event_and_verifies(finished: Path) -> None:
     events = read_events(finished)
     assert isinstance(events[0], Opened)
     assert isinstance(events[-1], Finished)
     assert len(fold(events).visited) == 8
-    assert verify(finished) == ()
+    assert verify(finished).findings == ()
 
 
 def test_a_closed_file_is_alone_in_its_folder_and_can_be_copied(
@@ -69,7 +54,7 @@ def test_a_closed_file_is_alone_in_its_folder_and_can_be_copied(
 
 
 def test_other_programs_read_the_layers_while_the_survey_runs(
-    tmp_path: Path, plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    tmp_path: Path, plot_opened: Opened, configured: Configure, plot_truth: Truth, work: Work
 ) -> None:
     path = tmp_path / "survey.gpkg"
     code = (
@@ -79,7 +64,7 @@ def test_other_programs_read_the_layers_while_the_survey_runs(
     seen: list[int] = []
 
     def look(survey: Survey, event: object) -> None:
-        if isinstance(event, Planned) and len(survey.visited) in {1, 2, 6}:
+        if isinstance(event, Planned) and survey.taken in {1, 2, 6}:
             gdal = [sys.executable, "-c", code, str(path)]
             number, kpa = subprocess.run(gdal, capture_output=True, check=True).stdout.split()
             seen.append(int(number))
@@ -88,7 +73,7 @@ def test_other_programs_read_the_layers_while_the_survey_runs(
     with create(path, plot_opened) as journal:
         dispatch = LocalDispatch(fold(journal.events()), journal, look)
         dispatch.record(configured())
-        drive("robot", robot_at(dispatch.survey, plot_truth), dispatch)
+        work(dispatch, plot_truth)
     assert seen == [1, 2, 6]
 
 
@@ -99,7 +84,7 @@ def test_every_layer_opens_in_gdal_with_its_geometry(finished: Path) -> None:
     assert layers["route"] == "LineString"
     info = pyogrio.read_info(finished, layer="samples")
     assert info["features"] == 8
-    assert list(info["fields"])[4:6] == ["kpa_0_5cm", "kpa_5_10cm"]
+    assert {"kpa_0_5cm", "kpa_5_10cm", "agent", "source", "time"} <= set(info["fields"])
 
 
 def test_a_field_on_earth_keeps_its_frame(tmp_path: Path, plot_opened: Opened) -> None:
@@ -184,24 +169,24 @@ def test_a_changed_sample_row_is_found(finished: Path) -> None:
     with sqlite3.connect(finished) as database:
         database.execute("UPDATE samples SET kpa_5_10cm = kpa_5_10cm + 1 WHERE fid = 3")
     database.close()
-    (finding,) = verify(finished)
-    assert "samples layer" in finding
+    (finding,) = verify(finished).findings
+    assert finding.startswith("layer samples: kpa_5_10cm of row")
 
 
 def test_a_full_disk_loses_nothing_that_was_acknowledged(
-    tmp_path: Path, plot_opened: Opened, configured: Configure, plot_truth: Truth, robot_at: RobotAt
+    tmp_path: Path, plot_opened: Opened, configured: Configure, plot_truth: Truth, work: Work
 ) -> None:
     path = tmp_path / "survey.gpkg"
     acknowledged: list[str] = []
     with create(path, plot_opened) as journal:
         (pages,) = journal._database.execute("PRAGMA page_count").fetchone()
-        journal._database.execute(f"PRAGMA max_page_count = {pages + 20}")
+        journal._database.execute(f"PRAGMA max_page_count = {pages + 30}")
         dispatch = LocalDispatch(
             fold(journal.events()), journal, lambda _, event: acknowledged.append(event.id)
         )
         dispatch.record(configured(samples=40))
         with pytest.raises(JournalError, match=r"full.*free some space"):
-            drive("robot", robot_at(dispatch.survey, plot_truth), dispatch)
+            work(dispatch, plot_truth)
     assert len(acknowledged) > 3
     assert [event.id for event in read_events(path)[1:]] == acknowledged
 
@@ -260,7 +245,7 @@ def assert_same_end(path: Path, whole: Survey) -> None:
     assert again.metres == pytest.approx(whole.metres, abs=1e-9)
     assert np.array_equal(again.soil_map.mean, whole.soil_map.mean)
     assert np.array_equal(again.soil_map.variance, whole.soil_map.variance)
-    assert verify(path) == ()
+    assert verify(path).findings == ()
 
 
 def test_a_killed_survey_resumes_to_the_same_end(

@@ -1,0 +1,26 @@
+"""The survey file: one GeoPackage that holds every event, and shows the survey to any GIS."""
+
+from subsoil.journal.content import Content, fingerprint
+from subsoil.journal.file import (
+    Journal,
+    copy,
+    create,
+    last_event,
+    open_journal,
+    read_events,
+    read_survey,
+)
+from subsoil.journal.verify import verify
+
+__all__ = [
+    "Content",
+    "Journal",
+    "copy",
+    "create",
+    "fingerprint",
+    "last_event",
+    "open_journal",
+    "read_events",
+    "read_survey",
+    "verify",
+]

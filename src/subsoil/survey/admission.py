@@ -1,0 +1,120 @@
+"""What may enter a survey: every number an agent says is looked at here, and nowhere later.
+
+A report that cannot be true is refused to its agent with the reason, and the survey goes on
+without it. One that is only odd is kept, and flagged.
+"""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta
+from math import inf, isfinite
+
+from subsoil.errors import ReportError, SubsoilError
+from subsoil.frames import project
+from subsoil.penetrometer import faults, flags_of
+from subsoil.reports import LONLAT, Place, Report, Sampled
+from subsoil.survey.state import NOWHERE, Survey, cell_of
+
+OUTSIDE, CLOCK_OFF = "outside-the-field", "clock-off"
+"""Flags of readings that lie in no cell, and of times that cannot be."""
+_LONGEST_WAY_M, _LONGEST_TIME_S = 1e6, 30 * 86_400.0
+"""More than any agent drives or spends between two reports."""
+_AHEAD, _BEHIND = timedelta(hours=1), timedelta(days=3650)
+"""How far a clock may be from the host's: readings are entered years later, not before."""
+
+
+def admitted(survey: Survey, report: Report, now: datetime) -> Report:
+    """The report as it is to be kept: in the field's frame, with its flags and a time.
+
+    Parameters
+    ----------
+    survey
+        State that it comes to.
+    report
+        What an agent says.
+    now
+        The host's time, for a report without one.
+
+    Raises
+    ------
+    ReportError
+        If it cannot be true, its agent never joined, or its place has no way to the field's frame.
+    """
+    _check_agent(survey, report)
+    _check_numbers(report)
+    report = report.model_copy(update={"at": _placed(survey, report), "frame": ""})
+    if isinstance(report, Sampled):
+        report = _flagged(survey, report, now)
+    return report.stamped(now)
+
+
+def _check_agent(survey: Survey, report: Report) -> None:
+    names = [agent.name for agent in survey.agents]
+    if report.agent not in names:
+        raise ReportError(
+            f"agent {report.agent!r} never joined the survey",
+            where=survey.name,
+            remedy=f"join first; there are {', '.join(names) or 'no agents'}",
+        )
+    if (report.source.kind == "simulator") != (survey.agent(report.agent).kind == "simulator"):
+        raise ReportError(
+            "simulated and real readings do not go into one survey",
+            where=f"agent {report.agent}",
+            remedy="start a survey of its own for the simulation",
+        )
+
+
+def _check_numbers(report: Report) -> None:
+    numbers = [
+        ("way", report.metres, 0.0, _LONGEST_WAY_M, "m"),
+        ("time", report.seconds, 0.0, _LONGEST_TIME_S, "s"),
+        ("number of tries", report.tries, 0, 10_000, ""),
+    ]
+    if report.accuracy_m is not None:
+        numbers.append(("accuracy", report.accuracy_m, 0.0, inf, "m"))
+    for name, value, least, most, unit in numbers:
+        if not (isfinite(value) and least <= value <= most):
+            raise ReportError(
+                f"a {name} of {value:g} {unit}".rstrip() + " cannot be",
+                where=f"report of {report.agent}",
+                remedy="correct it, and report again",
+            )
+
+
+def _placed(survey: Survey, report: Report) -> Place:
+    """Place of a report in the field's frame."""
+    where = f"report of {report.agent}"
+    east, north = report.at
+    if not (isfinite(east) and isfinite(north)):
+        raise ReportError(
+            f"its place ({east:g}, {north:g}) is not finite",
+            where=where,
+            remedy="wait for a fix, and report again",
+        )
+    if report.frame in ("", survey.field.crs):
+        return report.at
+    if report.frame == LONLAT and not (abs(east) <= 180 and abs(north) <= 90):
+        raise ReportError(f"longitude {east:g}, latitude {north:g} is no place", where=where)
+    try:
+        (moved,) = project(report.frame, survey.field.crs, [east], [north])
+    except SubsoilError as error:
+        raise ReportError(error.what, where=where, remedy=error.remedy) from error
+    if not (isfinite(moved[0]) and isfinite(moved[1])):
+        raise ReportError(
+            f"({east:g}, {north:g}) in {report.frame} has no place in the field's frame",
+            where=where,
+        )
+    return float(moved[0]), float(moved[1])
+
+
+def _flagged(survey: Survey, report: Sampled, now: datetime) -> Sampled:
+    """Sampled with what is odd about it among its flags."""
+    if fault := faults(report.reading, survey.cone):
+        raise ReportError(fault, where=f"report of {report.agent}", remedy="push again")
+    flags = list(flags_of(report.reading))
+    if cell_of(survey, report.at) == NOWHERE:
+        flags.append(OUTSIDE)
+    if report.time is not None and not now - _BEHIND <= report.time <= now + _AHEAD:
+        flags.append(CLOCK_OFF)
+    reading = report.reading.model_copy(update={"flags": tuple(dict.fromkeys(flags))})
+    return report.model_copy(update={"reading": reading})
