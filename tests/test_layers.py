@@ -73,6 +73,43 @@ def test_a_layers_value_is_the_mean_of_the_readings_below_its_top_down_to_its_bo
     assert (sample.at, sample.error_variance) == (HERE, 4.0)
 
 
+@pytest.mark.parametrize(
+    "depths",
+    [
+        np.arange(1, 17) * 0.0254,
+        np.arange(1, 301) * 0.0015,
+        np.arange(1, 5) * 0.107,
+        np.array([0.004, 0.01, 0.033, 0.06, 0.11, 0.118, 0.2, 0.29, 0.31, 0.405]),
+    ],
+    ids=["inches", "1.5 mm", "coarse", "irregular"],
+)
+def test_a_reading_weighs_by_the_part_of_the_layer_it_stands_for(depths: np.ndarray) -> None:
+    kpa = 6000.0 * depths
+    fine = (np.arange(400_000) + 0.5) * 1e-6
+    soil = kpa[np.searchsorted(depths, fine)]
+    sample = Layers().sample(profile(depths, kpa), HERE)
+    np.testing.assert_allclose(sample.kpa, soil.reshape(8, -1).mean(axis=1), rtol=1e-4)
+
+
+def test_readings_in_inches_give_the_layers_of_the_soil_to_a_hundredth() -> None:
+    depths = np.arange(1, 17) * 0.0254
+    middle = 6000.0 * (depths - 0.0127)
+    sample = Layers().sample(profile(depths, middle), HERE)
+    np.testing.assert_allclose(sample.kpa, np.arange(150.0, 2251.0, 300.0), rtol=0.01)
+
+
+def test_a_bound_of_uneven_readings_weighs_them_and_its_rest_by_metres() -> None:
+    seen = profile([0.02, 0.03, 0.07], [100.0, 500.0, 2000.0], "force")
+    sample = Layers((0.0, 0.1)).sample(seen, HERE)
+    assert sample.state.tolist() == [AT_LEAST]
+    assert sample.kpa[0] == pytest.approx(0.2 * 100 + 0.1 * 500 + (0.4 + 0.3) * 2000)
+
+
+def test_a_push_that_only_touches_a_layer_knows_nothing_of_it() -> None:
+    sample = Layers((0.0, 0.1, 0.11)).sample(profile([0.1 + 1e-12], [100.0], "force"), HERE)
+    assert sample.state.tolist() == [MEASURED, UNREACHED]
+
+
 def test_a_reading_at_the_very_surface_belongs_to_no_layer() -> None:
     seen = profile([0.0, 0.025, 0.05], [9999.0, 100.0, 300.0])
     assert Layers((0.0, 0.05)).sample(seen, HERE).kpa.tolist() == [200.0]

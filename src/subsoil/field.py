@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import BoundaryError, ParameterError
-from subsoil.frames import WGS84, check_metric, project, utm_crs
+from subsoil.frames import WGS84, check_metric, metres_frame, project, utm_crs
 from subsoil.outline import Area, check_extent, check_lonlat, check_outline, polygon
 
 Floats = NDArray[np.float64]
@@ -67,6 +67,8 @@ class Field:
         Side of a cell in m.
     name
         What people call it.
+    notes
+        What was done to bring it here, a sentence each, for whoever drew it.
 
     Raises
     ------
@@ -86,6 +88,7 @@ class Field:
     keep_outs: tuple[Area, ...] = ()
     cell_size: float = 5.0
     name: str = field(default="field", compare=False)
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.cell_size) and self.cell_size > 0):
@@ -122,10 +125,19 @@ class Field:
         Raises
         ------
         BoundaryError
-            If the vertices do not make an outline.
+            If the vertices do not make an outline, or metres of the frame are not metres on the
+            ground there, as in Web Mercator.
         """
         areas = tuple(polygon(v, f"{name}, keep-out") for v in keep_outs)
-        return cls(polygon(vertices, name), crs, areas, cell_size, name)
+        found = cls(polygon(vertices, name), crs, areas, cell_size, name)
+        home = metres_frame(crs, found.entrance) if crs else ""
+        if home != crs:
+            raise BoundaryError(
+                f"a metre of {crs} is not a metre on the ground there",
+                where=name,
+                remedy=f"give the vertices in {home}",
+            )
+        return found
 
     @classmethod
     def from_lonlat(

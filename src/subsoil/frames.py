@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 WGS84 = "EPSG:4326"
 """Longitude and latitude as satellite receivers give them."""
 
+MOST_STRETCH = 0.002
+"""Share by which metres of a frame may differ from metres on the ground; UTM's do by 0.001."""
+
+_STRETCH_M = 100.0
 _WIDEST_COUNTRY_FRAME_DEG = 30
 
 
@@ -72,6 +76,79 @@ def check_metric(name: str, where: str) -> None:
             where=where,
             remedy="use a projected CRS in metres, such as the UTM zone of the field",
         )
+
+
+def stretch(name: str, at: tuple[float, float]) -> float:
+    """Largest share by which metres of a frame differ from metres on the ground, at a place.
+
+    Measured along 16 directions by geodesics on the frame's own ellipsoid, so a frame that keeps
+    areas and shears shapes is found out as one that scales.
+
+    Parameters
+    ----------
+    name
+        CRS in metres.
+    at
+        Easting and northing in m.
+
+    Raises
+    ------
+    BoundaryError
+        If there is no such CRS, or it has no such place.
+
+    Examples
+    --------
+    >>> round(stretch("EPSG:3857", (628000.0, 6817000.0)), 2) < 0.4
+    True
+    >>> stretch("EPSG:32631", (500000.0, 5770000.0)) < 0.0005
+    True
+    """
+    from pyproj import Proj
+
+    crs = named_crs(name, "CRS")
+    angle = np.arange(16) * np.pi / 16
+    x, y = _STRETCH_M / 2 * np.cos(angle), _STRETCH_M / 2 * np.sin(angle)
+    plane, ellipsoid = Proj(crs), crs.get_geod()
+    start, end = (plane(at[0] + s * x, at[1] + s * y, inverse=True) for s in (-1, 1))
+    if ellipsoid is None or not np.isfinite([*start, *end]).all():
+        raise BoundaryError(
+            f"({at[0]:g}, {at[1]:g}) is no place in {name}",
+            where="CRS",
+            remedy="check the coordinates and the CRS",
+        )
+    ground = np.asarray(ellipsoid.inv(*start, *end)[2])
+    return float(np.abs(ground / _STRETCH_M - 1).max())
+
+
+def metres_frame(name: str, at: tuple[float, float]) -> str:
+    """Frame to work in at a place of another: that one, or the UTM zone if its metres are not.
+
+    National grids and UTM zones stay as they are; Web Mercator and frames of whole continents,
+    more than 0.2 % off at this place, do not.
+
+    Parameters
+    ----------
+    name
+        CRS in metres.
+    at
+        Easting and northing in m.
+
+    Raises
+    ------
+    BoundaryError
+        If there is no such CRS, it has no such place, or nothing leads from it to WGS84.
+
+    Examples
+    --------
+    >>> metres_frame("EPSG:3857", (628000.0, 6817000.0))
+    'EPSG:32631'
+    >>> metres_frame("EPSG:28992", (174000.0, 444000.0))
+    'EPSG:28992'
+    """
+    if stretch(name, at) <= MOST_STRETCH:
+        return name
+    ((longitude, latitude),) = project(name, WGS84, [at[0]], [at[1]])
+    return utm_crs(float(longitude), float(latitude))
 
 
 def project(source: str, target: str, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:

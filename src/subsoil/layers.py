@@ -15,6 +15,10 @@ from subsoil.penetrometer import Profile
 
 Floats = NDArray[np.float64]
 
+_THINNEST_M = 0.001
+_TOUCH_M = 1e-9
+"""Less soil than this is none."""
+
 
 class LayerState(IntEnum):
     """What a sample knows of a layer.
@@ -79,8 +83,8 @@ class Layers:
     Raises
     ------
     ParameterError
-        If edges do not increase from 0 or deeper, or weights are negative, all zero or of another
-        number than the layers.
+        If edges do not increase from 0 or deeper by a millimetre or more, or weights are negative,
+        all zero or of another number than the layers.
 
     Examples
     --------
@@ -99,11 +103,19 @@ class Layers:
                 where="layer edges",
                 remedy="for instance 0, 0.1, 0.2, 0.4 (metres)",
             )
-        if np.any(np.diff(edges) <= 0):
+        thickness = np.diff(edges)
+        if np.any(thickness <= 0):
+            k = int(np.argmax(thickness <= 0))
             raise ParameterError(
-                f"edges {edges.tolist()} do not increase",
+                f"edges do not increase: {edges[k + 1]:g} m comes after {edges[k]:g} m",
                 where="layer edges",
                 remedy="give them in metres, positive down, shallowest first",
+            )
+        if np.any(thickness < _THINNEST_M - _TOUCH_M):
+            raise ParameterError(
+                f"a layer is {thickness.min():.3g} m thick, thinner than any reading can tell",
+                where="layer edges",
+                remedy="give edges in metres, a millimetre or more apart",
             )
         if edges[-1] > 3:
             raise ParameterError(
@@ -151,11 +163,11 @@ class Layers:
     ) -> Sample:
         """Mean of a profile over each layer.
 
-        A reading at depth d stands for the soil since the reading above, so layer (a, b] takes
-        the readings with a < d <= b, and a layer between two readings takes the lower one. A
-        layer is measured when the readings reach its lower edge to within half their spacing.
-        Where the force limit ended the push inside a layer, the rest of that layer counts with
-        the last reading and the mean is a lower bound.
+        A reading stands for the soil since the reading above it, the first one for the soil since
+        the surface, and weighs in a layer by how much of the layer that is. A layer is measured
+        when the readings reach its lower edge to within half their spacing; a rest below them
+        does not count. Where the force limit ended the push inside a layer, the rest of that
+        layer counts with the last reading and the mean is a lower bound.
 
         Parameters
         ----------
@@ -167,21 +179,24 @@ class Layers:
             Variance of the reading beyond the nugget, in kPa2.
         """
         depth, kpa = profile.depth_m, profile.kpa
-        values = np.full(len(self), np.nan)
-        state = np.full(len(self), LayerState.UNREACHED, dtype=np.int8)
         spacing = float(np.median(np.diff(depth))) if depth.size > 1 else 0.0
         end = depth[-1] if depth.size else 0.0
-        for k, (top, bottom) in enumerate(zip(self.top_m, self.bottom_m, strict=True)):
-            inside = (depth > top + 1e-9) & (depth <= bottom + 1e-9)
-            if not inside.any():
-                inside = depth == depth[depth > bottom].min(initial=np.inf)
-            if not inside.any():
-                continue
-            mean = kpa[inside].mean()
-            if end >= bottom - spacing / 2 - 1e-9:
-                values[k], state[k] = mean, LayerState.MEASURED
-            elif profile.ending == "force":
-                gone = (end - top) / (bottom - top)
-                values[k] = gone * mean + (1 - gone) * kpa[-1]
-                state[k] = LayerState.AT_LEAST
+        share = self._shares(depth)
+        reached = share.sum(axis=1) > _TOUCH_M
+        through = reached & (end >= self.bottom_m - spacing / 2 - _TOUCH_M)
+        bound = reached & ~through & (profile.ending == "force")
+        share[bound, -1:] += (self.bottom_m - end)[bound, None]
+        known = through | bound
+        values = np.full(len(self), np.nan)
+        values[known] = share[known] @ kpa / share[known].sum(axis=1)
+        state = np.full(len(self), LayerState.UNREACHED, dtype=np.int8)
+        state[through], state[bound] = LayerState.MEASURED, LayerState.AT_LEAST
         return Sample((float(at[0]), float(at[1])), values, state, error_variance)
+
+    def _shares(self, depth: Floats) -> Floats:
+        """(m, k) metres of every layer that readings at k depths stand for."""
+        above = np.concatenate([[0.0], depth[:-1]])[: depth.size]
+        lower = np.minimum(self.bottom_m[:, None], depth)
+        upper = np.maximum(self.top_m[:, None], above)
+        shares: Floats = np.maximum(lower - upper, 0.0)
+        return shares

@@ -86,7 +86,7 @@ def check_extent(area: Area, cell_size: float, where: str) -> None:
             where=where,
             remedy="give longitude and latitude as GeoJSON or .coords, or project to metres",
         )
-    if (east - west) * (north - south) / cell_size**2 > _MOST_CELLS:
+    if (east - west) / cell_size * ((north - south) / cell_size) > _MOST_CELLS:
         raise BoundaryError(
             f"the outline is {span / 1000:.3g} km wide, far more than {cell_size:g} m cells cover",
             where=where,

@@ -76,7 +76,12 @@ TWO = ("--layers", "0,0.05,0.10")
 
 
 @pytest.mark.parametrize(
-    ("row", "word"), [("20,20,nan,900", "nan"), ("20,20,,900", "row 14"), ("5,5,400,900", "row 14")]
+    ("row", "word"),
+    [
+        ("20,20,nan,900", "nothing was read at 0.05 m"),
+        ("20,20,,900", "row 14"),
+        ("5,5,400,900", "row 14"),
+    ],
 )
 def test_a_bad_or_repeated_row_is_refused_and_the_rest_is_used(
     cli: Cli, tmp_path: Path, outline: Path, readings: Path, row: str, word: str

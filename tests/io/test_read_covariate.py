@@ -120,8 +120,9 @@ def refused(path: Path, field: Field | None = None, **options: str) -> str:
 
 def test_a_raster_that_does_not_cover_the_field_is_refused(tmp_path: Path) -> None:
     field = land()
+    far = np.add([(0, 0), (50, 0), (50, 50)], (641_000, 5_900_000))
     assert "nothing is known of any cell" in refused(
-        raster(tmp_path / "far.tif", Field.from_metres([(0, 0), (50, 0), (50, 50)], crs=UTM))
+        raster(tmp_path / "far.tif", Field.from_metres(far, crs=UTM))
     )
     half = Field.from_metres(np.add([(0, 0), (28, 0), (28, 40)], (681_000, 5_900_000)), crs=UTM)
     assert "cells, the first at" in refused(raster(tmp_path / "half.tif", half, margin=0.0), field)
@@ -174,4 +175,4 @@ def test_a_column_that_is_not_there_and_other_files_are_refused(tmp_path: Path) 
     assert "with this suffix" in refused(other)
     broken = tmp_path / "broken.tif"
     broken.write_text("x")
-    assert "GDAL cannot read it" in refused(broken)
+    assert "no tif file by its content" in refused(broken)

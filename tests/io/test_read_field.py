@@ -13,10 +13,12 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pyproj import Proj
 from shapely.geometry import LineString, Point, Polygon, box, mapping
 
 from subsoil.errors import BoundaryError, MissingExtraError, ParameterError
 from subsoil.field import Field
+from subsoil.frames import project, stretch
 from subsoil.io.boundary import READERS, read_field
 
 CORNERS = [(-0.5278, 53.2624), (-0.5274, 53.2609), (-0.5231, 53.2607), (-0.5225, 53.2631)]
@@ -469,8 +471,12 @@ def test_a_geopackage_of_points_has_no_outline(tmp_path: Path) -> None:
 
 def test_a_file_that_gdal_cannot_read_is_refused_in_one_line(save: Save) -> None:
     pytest.importorskip("pyogrio")
-    with pytest.raises(BoundaryError, match=r"^home\.gpkg: GDAL cannot read it: [^\n]*$"):
+    with pytest.raises(
+        BoundaryError, match=r"^home\.gpkg: it is no gpkg file by its content [^\n]*$"
+    ):
         read_field(save("home.gpkg", "not a database"))
+    with pytest.raises(BoundaryError, match=r"^home\.shp: GDAL cannot read it: [^\n]*$"):
+        read_field(save("home.shp", b"\x00\x00\x27\x0a" + bytes(200)))
 
 
 def test_without_pyogrio_the_way_to_install_it_is_said(
@@ -479,3 +485,67 @@ def test_without_pyogrio_the_way_to_install_it_is_said(
     monkeypatch.setitem(sys.modules, "pyogrio", None)
     with pytest.raises(MissingExtraError, match=r"home\.gpkg: .*pip install 'subsoil\[geo\]'"):
         read_field(save("home.gpkg", ""))
+
+
+# Metres that are not metres on the ground
+
+
+STRETCHED = ("EPSG:3857", "EPSG:3395", "ESRI:54034", "EPSG:6933", "EPSG:3034")
+
+
+def drawn_in(frame: str, shape: Polygon) -> dict[str, Any]:
+    moved = shapely.transform(shape, lambda xy: project("EPSG:4326", frame, xy[:, 0], xy[:, 1]))
+    named = {"type": "name", "properties": {"name": frame}}
+    return {**collection(feature(moved)), "crs": named}
+
+
+@pytest.mark.parametrize("frame", STRETCHED)
+def test_a_field_drawn_in_stretched_metres_is_kept_in_its_utm_zone_and_says_so(
+    save: Save, frame: str
+) -> None:
+    field = read_field(
+        save("home.geojson", drawn_in(frame, OUTLINE)),
+        keep_outs=save("pond.geojson", drawn_in(frame, POND)),
+    )
+    assert field.crs == TRUTH.crs
+    assert field.boundary.hausdorff_distance(TRUTH.boundary) < 0.01
+    assert field.keep_outs[0].area == pytest.approx(1113, rel=0.01)
+    assert len(field.notes) == 1
+    assert f"metres of {frame} are" in field.notes[0]
+    assert "kept in EPSG:32630" in field.notes[0]
+
+
+def test_a_stretched_frame_that_the_caller_names_is_no_measure_either(save: Save) -> None:
+    corners = project("EPSG:4326", "EPSG:3857", *np.transpose(CORNERS))
+    text = "easting,northing\n" + "".join(f"{x!r},{y!r}\n" for x, y in corners.tolist())
+    field = read_field(save("home.csv", text), crs="EPSG:3857")
+    assert same_place(field, TRUTH) or field.boundary.hausdorff_distance(TRUTH.boundary) < 0.01
+    with pytest.raises(BoundaryError, match=r"home: a metre of EPSG:3857 is not .*32630"):
+        Field.from_metres(corners, crs="EPSG:3857", name="home")
+
+
+@pytest.mark.parametrize(
+    ("frame", "place"),
+    [
+        ("EPSG:32630", (-0.5, 53.0)),
+        ("EPSG:32630", (-6.0, 0.1)),
+        ("EPSG:32631", (-0.5, 53.0)),
+        ("EPSG:28992", (5.6, 52.1)),
+        ("EPSG:31370", (4.0, 51.0)),
+        ("EPSG:2154", (2.0, 47.0)),
+        ("EPSG:3067", (20.0, 60.0)),
+        ("EPSG:2193", (175.0, -40.0)),
+    ],
+)
+def test_a_national_grid_or_utm_zone_stays_as_it_is(
+    save: Save, frame: str, place: tuple[float, float]
+) -> None:
+    east, north = Proj(frame)(*place)
+    text = f"easting,northing\n{east},{north}\n{east + 90},{north}\n{east},{north + 90}\n"
+    field = read_field(save("home.csv", text), crs=frame)
+    assert (field.crs, field.notes) == (frame, ())
+
+
+def test_a_place_that_a_frame_does_not_have_is_refused() -> None:
+    with pytest.raises(BoundaryError, match="is no place in EPSG:32630"):
+        stretch("EPSG:32630", (9e9, 9e9))

@@ -30,6 +30,8 @@ HEADER = "lat,lon,kpa_2.5cm,kpa_5.0cm,kpa_7.5cm"
 GOOD = "53.2615,-0.5250,100,200,300"
 LAYERS = Layers((0.0, 0.05, 0.075))
 
+STRETCHED = ("EPSG:3857", "EPSG:3395", "ESRI:54034", "EPSG:6933", "EPSG:3034")
+
 Save = Callable[..., Path]
 
 
@@ -149,7 +151,10 @@ def test_a_header_that_leaves_doubt_is_refused_by_column(
     ("row", "message"),
     [
         ("53.2615,-0.525,100,abc,300", "'abc' is not a number (column kpa_5.0cm)"),
-        ("53.2615,-0.525,100,nan,300", "'nan' is not a finite number (column kpa_5.0cm)"),
+        ("53.2615,-0.525,100,nan,300", "nothing was read at 0.05 m, yet below it"),
+        ("53.2615,-0.525,100,-999,300", "nothing was read at 0.05 m, yet below it"),
+        ("53.2615,-0.525,-9999,200,NA", "nothing was read at 0.025 m, yet below it"),
+        ("53.2615,NA,100,200,300", "'NA' is not a number (column lon)"),
         ("53.2615,-0.525,100,inf,300", "'inf' is not a finite number (column kpa_5.0cm)"),
         ("53.2615,-0.525,1_0,20,30", "'1_0' is not a number (column kpa_2.5cm)"),
         ("53.2615,-0.525,100,-5,300", "-5 kPa at 0.05 m is no soil strength"),
@@ -240,9 +245,23 @@ def test_metres_in_another_frame_are_brought_to_that_of_the_field(save: Save) ->
 
 
 def test_metres_without_a_field_keep_their_frame(save: Save) -> None:
-    path = save("easting,northing,kpa_5cm", "10,20,5")
+    path = save("easting,northing,kpa_5cm", "665000,5904000,5")
     assert read_readings(path).crs == ""
     assert read_readings(path, crs="EPSG:32630").crs == "EPSG:32630"
+
+
+@pytest.mark.parametrize("frame", STRETCHED)
+def test_readings_in_stretched_metres_are_brought_to_metres_on_the_ground(
+    save: Save, frame: str
+) -> None:
+    inside = HOME.cells[[0, -1]]
+    places = project(HOME.crs, frame, *inside.T)
+    rows = [f"{east!r},{north!r},5{k}" for k, (east, north) in enumerate(places.tolist())]
+    path = save("easting,northing,kpa_5cm", *rows)
+    np.testing.assert_allclose(read_readings(path, field=HOME, crs=frame).at, inside, atol=1e-3)
+    alone = read_readings(path, crs=frame)
+    assert alone.crs == HOME.crs
+    np.testing.assert_allclose(alone.at, inside, atol=1e-3)
 
 
 def test_an_unknown_frame_is_refused(save: Save) -> None:
@@ -423,7 +442,7 @@ def test_a_robot_file_gives_kpa_and_ends_where_zeros_begin(save: Save) -> None:
         (push(0.0, 20.0, 30.0), "nothing was read at 0.025 m, yet below it"),
         (push(0.0, 0.0, 0.0), "no depth was reached"),
         (push(10.0, -1.0, 30.0), "-1 kPa at 0.05 m is no soil strength"),
-        (push(10.0, float("nan"), 30.0), "nan at 0.05 m is not a number"),
+        (push(10.0, float("nan"), 30.0), "nothing was read at 0.05 m"),
         (push(10.0, "x", 30.0), "'x' at 0.05 m is not a number"),
         (push(10.0, True, 30.0), "True at 0.05 m is not a number"),
         (push(10.0, 20.0), "2 values do not pair with 3 depths"),

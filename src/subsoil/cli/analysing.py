@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -23,10 +24,11 @@ from subsoil.cli.output import AsJson, Out, folder, tell, tell_table
 from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
-from subsoil.kriging import LeaveOneOut, block_out, condition, leave_one_out
+from subsoil.kriging import LeaveOneOut, block_out
 from subsoil.kriging.choice import learn
-from subsoil.kriging.drift import NO_COVARIATE, Covariate, leave_one_out_with
+from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.plots import readings_figures
+from subsoil.report.skill import layer_scores, no_better_than_mean
 from subsoil.soilmap import SoilMap
 from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
 
@@ -74,6 +76,7 @@ def make_map(
         known, learnt.drift, material.simulated,
     )  # fmt: skip
     scores = _scores(material, fits, known, learnt.drift)
+    unskilled = _unskilled(material, scores)
     rasters = write_geotiffs(soil_map, field, folder(out))
     figures = readings_figures(soil_map, field, fits, out)
     result = {
@@ -83,7 +86,9 @@ def make_map(
         "samples": len(material.samples),
         "refused": material.refused,
         "std_dev_kpa": float(np.sqrt(soil_map.mean_kv)),
-        "notes": soil_map.notes,
+        "notes": tuple(
+            dict.fromkeys((*material.notes, *soil_map.notes, *_unskilled(material, scores)))
+        ),
         "drift": [material.layers.names[k] for k in learnt.drift],
         "maps": rasters,
         "figures": figures,
@@ -113,10 +118,9 @@ def variogram(
     posterior = _posterior(chosen, material)
     if as_json:
         reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
-        tell({"samples": len(material.samples), **posterior, "layers": reports}, as_json)
+        tell({**_about(material), **posterior, "layers": reports}, as_json)
         return
-    if posterior:
-        tell(posterior, as_json)
+    tell({**_about(material), **posterior}, as_json)
     for name, fit in zip(material.layers.names, fits, strict=True):
         bins = fit.empirical
         tell_table(
@@ -146,6 +150,10 @@ def cv(
     extent = field.extent_m if field else extent_of(material.at)
     fits = estimator_named(estimator, extent, numbers(setting))(material.at, material.kpa)
     scores = _scores(material, fits)
+    about = {
+        **_about(material),
+        "notes": (*material.notes, *_unskilled(material, scores)),
+    }
     blocks = []
     for fit, kpa in zip(fits, material.kpa, strict=True):
         known = np.isfinite(kpa)
@@ -155,8 +163,9 @@ def cv(
         row["block_rmse_kpa"] = float(score.rmse[0])
         row["block_skill"] = float(score.skill[0])
     if as_json:
-        tell({"samples": len(material.samples), "block_m": block, "layers": rows}, as_json)
+        tell({**about, "block_m": block, "layers": rows}, as_json)
         return
+    tell(about, as_json)
     tell_table(
         f"Leave-one-out and {block:g} m blocks, {len(material.samples)} samples",
         list(rows[0]),
@@ -170,19 +179,31 @@ def _scores(
     covariate: Covariate = NO_COVARIATE,
     drift: tuple[int, ...] = (),
 ) -> list[LeaveOneOut]:
-    scores = []
-    layers = zip(material.layers.names, fits, material.kpa, strict=True)
-    for k, (name, fit, kpa) in enumerate(layers):
-        known = np.isfinite(kpa)
-        if known.sum() < 3:
-            raise ParameterError(
-                f"{known.sum()} readings reached the layer",
-                where=f"layer {name}",
-                remedy="leave it out with --layers",
-            )
-        ok = condition(fit.variogram, material.at[known], kpa[None, known])
-        scores.append(leave_one_out_with(covariate, ok) if k in drift else leave_one_out(ok))
+    found = layer_scores(
+        material.at, material.kpa, [fit.variogram for fit in fits], covariate, drift
+    )
+    scores = [score for score in found if score is not None]
+    if len(scores) < len(found):
+        k = found.index(None)
+        raise ParameterError(
+            f"{np.isfinite(material.kpa[k]).sum()} readings reached the layer",
+            where=f"layer {material.layers.names[k]}",
+            remedy="leave it out with --layers",
+        )
     return scores
+
+
+def _about(material: Material) -> dict[str, object]:
+    """How many readings are used, which are not and why, and what else to know."""
+    return {
+        "samples": len(material.samples),
+        "refused": material.refused,
+        "notes": material.notes,
+    }
+
+
+def _unskilled(material: Material, scores: list[LeaveOneOut]) -> Iterator[str]:
+    return no_better_than_mean(material.layers.names, scores)
 
 
 def _score_dicts(

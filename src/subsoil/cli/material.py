@@ -29,6 +29,8 @@ class Material:
         Depth bands.
     refused
         What was left out, a line each.
+    notes
+        What to know of the file and of the field as wholes, a line each.
     simulated
         Whether they are of a soil that was drawn.
     """
@@ -36,6 +38,7 @@ class Material:
     samples: tuple[Sample, ...]
     layers: Layers
     refused: tuple[str, ...]
+    notes: tuple[str, ...] = ()
     simulated: bool = False
 
     @property
@@ -66,7 +69,9 @@ def material_of(
     """
     if path.suffix.lower() == ".gpkg":
         survey = fold(read_events(path))
-        material = Material(survey.soil_map.samples, survey.layers, (), survey.simulated)
+        material = Material(
+            survey.soil_map.samples, survey.layers, (), survey.notes, survey.simulated
+        )
     else:
         cone = Cone(cone_area) if cone_area is not None else None
         readings = read_readings(path, field=field, crs=crs, cone=cone, units=units)
@@ -75,10 +80,14 @@ def material_of(
             layers.sample(profile, at)
             for profile, at in zip(readings.profiles, readings.at, strict=True)
         )
-        material = Material(samples, layers, tuple(str(finding) for finding in readings.refused))
+        refused = tuple(str(finding) for finding in readings.refused)
+        of_field = field.notes if field else ()
+        material = Material(samples, layers, refused, (*of_field, *readings.notes))
     if len(material.samples) < 3:
+        left = f", {len(material.refused)} were left out" if material.refused else ""
+        first = f" (first {material.refused[0]})" if material.refused else ""
         raise ParameterError(
-            f"{len(material.samples)} readings are too few to score a map",
+            f"{len(material.samples)} readings are too few to score a map{left}{first}",
             where=str(path),
             remedy="take three or more",
         )

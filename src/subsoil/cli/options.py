@@ -181,7 +181,7 @@ def layers_of(text: str) -> Layers:
         return Layers(tuple(float(edge) for edge in text.split(",")))
     except ValueError:
         raise ParameterError(
-            f"{text!r} is not a list of numbers",
+            f"{text[:40]!r} is not a list of numbers",
             where="--layers",
             remedy="edges in metres, such as 0,0.1,0.2,0.4",
         ) from None

@@ -7,7 +7,7 @@
 ``.csv`` ``.txt``         a corner a line under a header ``easting,northing`` (metres) or
                           ``lat,lon``; without a header, metres in the CRS that the caller names
 ``.gpkg`` ``.shp``        one layer of polygons in WGS84 or metres; pyogrio reads it
-``.kml``
+``.kml``                  polygons of placemarks, WGS84
 ========================  =====================================================================
 
 One polygon is the field. Further polygons whose property ``role`` is ``"keep-out"`` are areas in
@@ -24,11 +24,12 @@ import shapely
 
 from subsoil.errors import BoundaryError
 from subsoil.field import Field
-from subsoil.frames import WGS84, project
+from subsoil.frames import WGS84, metres_frame, project, stretch
 from subsoil.io.corners import read_coords, read_corners
 from subsoil.io.drawing import KEEP_OUT, Drawing
 from subsoil.io.geofile import read_geofile
 from subsoil.io.geojson import read_geojson
+from subsoil.io.kml import read_kml
 from subsoil.io.text import check_file
 from subsoil.outline import Area
 
@@ -40,7 +41,7 @@ READERS: dict[str, Callable[[Path, str | None], Drawing]] = {
     ".txt": read_corners,
     ".gpkg": read_geofile,
     ".shp": read_geofile,
-    ".kml": read_geofile,
+    ".kml": lambda path, _: read_kml(path),
 }
 """Reader of each suffix: from a path and the CRS of a file that names none to a drawing."""
 
@@ -69,8 +70,8 @@ def read_field(
     Returns
     -------
     Field
-        In the frame of the file if that is metric, else in the UTM zone of its centre; named
-        after the file.
+        In the frame of the file if its metres are metres on the ground there, else in the UTM
+        zone of its centre; named after the file. Its notes say what was moved.
 
     Raises
     ------
@@ -115,7 +116,16 @@ def _field(drawing: Drawing, cell_size: float, name: str) -> Field:
     (outline,) = drawing.outlines
     if drawing.crs == WGS84:
         return Field.from_lonlat(outline, cell_size=cell_size, name=name)
-    return Field(outline, drawing.crs, (), cell_size, name)
+    field = Field(outline, drawing.crs, (), cell_size, name)
+    home = metres_frame(field.crs, field.entrance) if field.crs else ""
+    if home == field.crs:
+        return field
+    moved = Field.from_lonlat(
+        _move(outline, field.crs, WGS84, name), cell_size=cell_size, name=name
+    )
+    off = 100 * stretch(field.crs, field.entrance)
+    note = f"{name}: metres of {field.crs} are {off:.2g} % off here, so it is kept in {moved.crs}"
+    return replace(moved, notes=(note,))
 
 
 def _place(areas: tuple[Area, ...], crs: str, field: Field, file: str) -> tuple[Area, ...]:

@@ -12,9 +12,11 @@ from pathlib import Path
 from subsoil.errors import BoundaryError
 from subsoil.frames import WGS84
 from subsoil.io.drawing import Drawing, Feature, draw, frame
+from subsoil.io.marks import check_marks
 from subsoil.io.text import POSITION_COLUMNS, number, read_text
 from subsoil.outline import polygon
 
+_BLANK = re.compile(r"[;\s]+")
 _APART = re.compile(r"[;,\s]+")
 _DECIMAL_COMMAS = re.compile(r"([+-]?\d+),(\d+)[;,\s]+([+-]?\d+),(\d+)")
 _HEADER = "write the header easting,northing (metres) or lat,lon (degrees)"
@@ -74,6 +76,7 @@ def _lines(path: Path) -> Lines:
 
 
 def _outline(lines: Lines, columns: list[str], crs: str, file: str) -> Drawing:
+    _check_marks(lines, crs, file)
     corners = []
     for row, line in lines:
         where = f"{file}, row {row}"
@@ -86,6 +89,23 @@ def _outline(lines: Lines, columns: list[str], crs: str, file: str) -> Drawing:
     if not corners:
         raise BoundaryError("there is no corner below the header", where=file)
     return draw([Feature(file, polygon(corners, file))], crs)
+
+
+def _check_marks(lines: Lines, crs: str, file: str) -> None:
+    most = 180.0 if crs == WGS84 else None
+    try:
+        check_marks((text for _, line in lines for text in _numbers(line)), most=most)
+    except ValueError as error:
+        raise BoundaryError(
+            str(error), where=file, remedy="write numbers without thousands marks, 1500 or 1500.0"
+        ) from error
+
+
+def _numbers(line: str) -> list[str]:
+    """Numbers of a line with their commas, where something else parts them."""
+    return (
+        [word.strip(",") for word in _BLANK.split(line)] if _BLANK.search(line) else line.split(",")
+    )
 
 
 def _pair(line: str, where: str) -> tuple[float, float]:

@@ -9,27 +9,24 @@ from __future__ import annotations
 
 import csv
 import io
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from subsoil.errors import MissingExtraError, ReadingsError
+from subsoil.errors import ReadingsError
 from subsoil.field import Field
 from subsoil.frames import project
+from subsoil.io.geotiff import read_geotiff
 from subsoil.io.places import Places
+from subsoil.io.points import read_points
 from subsoil.io.text import POSITION_COLUMNS, check_file, number, read_text
 
 Floats = NDArray[np.float64]
 
 FARTHEST_CELLS = 5.0
 """Distance from a cell to the nearest point, in cells, up to which that stands for it."""
-_ANY_FRAME = "EPSG:32631"
-"""Stands for the frame that field and raster share without naming it."""
 _DEGREES, _METRES = ("longitude", "latitude"), ("easting", "northing")
 _RASTERS, _LAYERS = (".tif", ".tiff"), (".gpkg", ".shp", ".geojson", ".json")
 
@@ -69,7 +66,8 @@ def read_covariate(
     check_file(path, ReadingsError)
     suffix = path.suffix.lower()
     if suffix in _RASTERS:
-        values = _of_raster(path, field, crs)
+        values = read_geotiff(path, field, crs)
+        _check_covers(np.isfinite(values), field, path.name)
     elif suffix == ".csv":
         values = _of_points(*_table(path, field, column, crs), field, path.name)
     elif suffix in _LAYERS:
@@ -86,50 +84,6 @@ def read_covariate(
             where=path.name,
             remedy="leave it out, or check that it is the right file or column",
         )
-    return values
-
-
-def _of_raster(path: Path, field: Field, crs: str | None) -> Floats:
-    """Average the first band over each cell, by area."""
-    rasterio = _extra("rasterio", path)
-    warp = import_module("rasterio.warp")
-    grid, size = field.grid, field.cell_size
-    corner = grid.easting[0] - size / 2, grid.northing[-1] + size / 2
-    image = np.full((len(grid.northing), len(grid.easting)), np.nan)
-    try:
-        with rasterio.open(path) as raster:
-            if raster.count != 1:
-                raise ReadingsError(
-                    f"it has {raster.count} bands", where=path.name, remedy="save the one to follow"
-                )
-            home = raster.crs.to_wkt() if raster.crs else (crs or field.crs)
-            if bool(home) != bool(field.crs):
-                raise ReadingsError(
-                    "raster and field are not both in a named CRS, so nothing leads from one to "
-                    "the other",
-                    where=path.name,
-                    remedy="name the CRS of both",
-                )
-            band = raster.read(1, masked=True).astype(float).filled(np.nan)
-            warp.reproject(
-                band,
-                image,
-                src_transform=raster.transform,
-                src_crs=home or _ANY_FRAME,
-                src_nodata=np.nan,
-                dst_transform=rasterio.Affine(size, 0.0, corner[0], 0.0, -size, corner[1]),
-                dst_crs=field.crs or _ANY_FRAME,
-                dst_nodata=np.nan,
-                resampling=warp.Resampling.average,
-            )
-    except rasterio.errors.RasterioError as error:
-        raise ReadingsError(
-            f"GDAL cannot read it: {' '.join(str(error).split())}",
-            where=path.name,
-            remedy="export it again as a GeoTIFF",
-        ) from error
-    values: Floats = image[::-1][grid.inside]
-    _check_covers(np.isfinite(values), field, path.name)
     return values
 
 
@@ -178,22 +132,10 @@ def _table(path: Path, field: Field, column: str | None, crs: str | None) -> tup
 
 def _layer(path: Path, field: Field, column: str | None, crs: str | None) -> tuple[Floats, Floats]:
     """Places (k, 2) in the field's frame and values (k,) of a layer of points."""
-    pyogrio = _extra("pyogrio", path)
-    try:
-        meta, _, shapes, columns = pyogrio.raw.read(path, force_2d=True)
-    except (pyogrio.errors.DataSourceError, pyogrio.errors.DataLayerError) as error:
-        raise ReadingsError(
-            f"GDAL cannot read it: {' '.join(str(error).split())}",
-            where=path.name,
-            remedy="export it again",
-        ) from error
-    points = shapely.from_wkb(shapes)
-    if set(shapely.get_type_id(points).tolist()) != {int(shapely.GeometryType.POINT)}:
-        raise ReadingsError("its features are not points", where=path.name)
-    numeric = {n: c for n, c in zip(meta["fields"], columns, strict=True) if c.dtype.kind in "if"}
-    values = numeric[_chosen(column, list(numeric), path.name)].astype(float)
+    at, numeric, home = read_points(path)
+    values = numeric[_chosen(column, list(numeric), path.name)]
     known = np.isfinite(values)
-    at, home = shapely.get_coordinates(points)[known], meta["crs"] or crs
+    at, home = at[known], home or crs or ""
     if home:
         at = project(home, field.crs, *at.T)
     return at, values[known]
@@ -238,14 +180,3 @@ def _check_covers(known: NDArray[np.bool_], field: Field, file: str) -> None:
         where=file,
         remedy="fill its holes, or cut the boundary to what it covers",
     )
-
-
-def _extra(name: str, path: Path) -> ModuleType:
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise MissingExtraError(
-            f"reading {path.suffix} files needs {name}, which is not installed",
-            where=path.name,
-            remedy="pip install 'subsoil[geo]', or save points as CSV",
-        ) from error

@@ -1,18 +1,42 @@
-"""Outlines as GeoPackage, shapefile or KML, through pyogrio where it is installed."""
+"""GeoPackages and shapefiles, through pyogrio where it is installed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
+import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.errors import ShapelyError
 
-from subsoil.errors import BoundaryError, MissingExtraError
+from subsoil.errors import BoundaryError, InputError, MissingExtraError
+from subsoil.io.alone import alone
 from subsoil.io.drawing import Drawing, Feature, draw, frame
 from subsoil.io.text import check_file
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer of a file.
+
+    Attributes
+    ----------
+    crs
+        Its CRS; empty if the file names none.
+    shapes
+        (n,) geometries as WKB.
+    fields
+        (n,) values of each attribute, by its name.
+    """
+
+    crs: str
+    shapes: NDArray[Any]
+    fields: dict[str, NDArray[Any]]
 
 
 def read_geofile(path: Path, crs: str | None) -> Drawing:
@@ -32,29 +56,68 @@ def read_geofile(path: Path, crs: str | None) -> Drawing:
     MissingExtraError
         If pyogrio is not installed.
     """
-    check_file(path, BoundaryError)
-    pyogrio = _pyogrio(path)
-    try:
-        layer = _layer(pyogrio.list_layers(path), path.name)
-        meta, _, shapes, columns = pyogrio.raw.read(path, layer=layer, force_2d=True)
-    except (pyogrio.errors.DataSourceError, pyogrio.errors.DataLayerError) as error:
-        raise BoundaryError(
-            f"GDAL cannot read it: {' '.join(str(error).split())}",
-            where=path.name,
-            remedy="export it again",
-        ) from error
-    home = meta["crs"] or crs
+    layer = read_layer(path, "Polygon", BoundaryError)
+    home = layer.crs or crs
     if not home:
         raise BoundaryError(
             "it does not name its CRS",
             where=path.name,
             remedy="keep the .prj file beside it, or name the CRS",
         )
-    roles = dict(zip(meta["fields"], columns, strict=True)).get("role", [""] * len(shapes))
-    return draw(_features(shapes, roles, path.name), frame(home, path.name))
+    roles = layer.fields.get("role", np.full(len(layer.shapes), ""))
+    return draw(_features(layer.shapes, roles, path.name), frame(home, path.name))
 
 
-def _features(shapes: list[bytes | None], roles: list[str | None], file: str) -> Iterator[Feature]:
+def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:
+    """Read the only layer of a kind of shape.
+
+    Parameters
+    ----------
+    path
+        GeoPackage or shapefile.
+    kind
+        ``"Polygon"`` or ``"Point"``.
+    wrong
+        Kind of error to raise.
+
+    Raises
+    ------
+    InputError
+        Of the kind ``wrong``, if it cannot be read, or has no or several such layers.
+    MissingExtraError
+        If pyogrio is not installed.
+    """
+    check_file(path, wrong)
+    pyogrio = _pyogrio(path)
+    with alone(path, wrong) as copy:
+        _check_prj(copy.with_suffix(".prj"), path, wrong)
+        try:
+            name = _named(pyogrio.list_layers(copy), kind, path.name, wrong)
+            meta, _, shapes, columns = pyogrio.raw.read(copy, layer=name, force_2d=True)
+        except (RuntimeError, ValueError) as error:
+            raise wrong(
+                f"GDAL cannot read it: {' '.join(str(error).split())}".replace(str(copy), "it"),
+                where=path.name,
+                remedy="export it again",
+            ) from error
+    return Layer(meta["crs"] or "", shapes, dict(zip(meta["fields"], columns, strict=True)))
+
+
+def _check_prj(prj: Path, path: Path, wrong: type[InputError]) -> None:
+    """Check that the CRS beside a shapefile can be read; GDAL's reader fails on some."""
+    if not prj.exists():
+        return
+    try:
+        from pyproj import CRS
+
+        CRS.from_wkt(prj.read_text("utf-8-sig"))
+    except (OSError, ValueError, RuntimeError) as error:
+        raise wrong(
+            "the .prj file beside it is damaged", where=path.name, remedy="export it again"
+        ) from error
+
+
+def _features(shapes: NDArray[Any], roles: NDArray[Any], file: str) -> Iterator[Feature]:
     for k, (shape, role) in enumerate(zip(shapes, roles, strict=True), 1):
         where = f"{file}, feature {k}"
         try:
@@ -64,13 +127,15 @@ def _features(shapes: list[bytes | None], roles: list[str | None], file: str) ->
         yield Feature(where, geometry, str(role or ""))
 
 
-def _layer(layers: list[tuple[str, str | None]], file: str) -> str:
-    names = [name for name, kind in layers if kind and ("Polygon" in kind or kind == "Unknown")]
+def _named(
+    layers: list[tuple[str, str | None]], kind: str, file: str, wrong: type[InputError]
+) -> str:
+    names = [name for name, of in layers if of and (kind in of or of == "Unknown")]
     if len(names) != 1:
-        raise BoundaryError(
-            f"layers of polygons: {', '.join(names) or 'none'}",
+        raise wrong(
+            f"layers of {kind.lower()}s: {', '.join(names) or 'none'}",
             where=file,
-            remedy="save a file with the outline alone",
+            remedy="save a file with that layer alone",
         )
     return names[0]
 
@@ -82,5 +147,5 @@ def _pyogrio(path: Path) -> ModuleType:
         raise MissingExtraError(
             f"reading {path.suffix} files needs pyogrio, which is not installed",
             where=path.name,
-            remedy="pip install 'subsoil[geo]', or save the outline as GeoJSON",
+            remedy="pip install 'subsoil[geo]', or save it as GeoJSON",
         ) from error

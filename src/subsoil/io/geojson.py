@@ -15,7 +15,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from subsoil.errors import BoundaryError
 from subsoil.frames import WGS84
 from subsoil.io.drawing import Drawing, Feature, draw, frame, not_an_outline
-from subsoil.io.text import read_text
+from subsoil.io.text import brief, read_text
 from subsoil.outline import Area, polygon
 
 
@@ -36,19 +36,41 @@ def read_geojson(path: Path, crs: str | None) -> Drawing:
         names the line or the feature.
     """
     document = _json(read_text(path, BoundaryError), path.name)
-    member = document.get("crs")
-    home = _named(member, path.name) if member else crs
+    home = _home(document, path.name) or crs
     return draw(_features(document, path.name), frame(home, path.name) if home else WGS84)
+
+
+def features_of(path: Path) -> tuple[list[Any], str]:
+    """Features of a FeatureCollection as they stand, and its frame, empty if it names none.
+
+    Raises
+    ------
+    BoundaryError
+        If it is not JSON, no FeatureCollection, or its frame is unknown.
+    """
+    document = _json(read_text(path, BoundaryError), path.name)
+    features = document.get("features")
+    if document.get("type") != "FeatureCollection" or not isinstance(features, list):
+        raise BoundaryError(
+            "this is no FeatureCollection", where=path.name, remedy="export it again as GeoJSON"
+        )
+    return features, _home(document, path.name)
 
 
 def _json(text: str, file: str) -> dict[str, Any]:
     try:
-        document = json.loads(text)
+        document = json.loads(text, object_pairs_hook=_once)
     except json.JSONDecodeError as error:
         raise BoundaryError(
             f"this is not JSON: {error.msg}",
             where=f"{file}, line {error.lineno}, column {error.colno}",
             remedy="export it again as GeoJSON",
+        ) from error
+    except KeyError as error:
+        raise BoundaryError(
+            f"{brief(str(error.args[0]))!r} is there twice in one object",
+            where=file,
+            remedy="keep one of the two",
         ) from error
     except (RecursionError, ValueError) as error:
         raise BoundaryError(
@@ -61,9 +83,22 @@ def _json(text: str, file: str) -> dict[str, Any]:
     return document
 
 
-def _named(member: Any, file: str) -> str:
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Object of these members; a name that comes twice is a KeyError."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        raise KeyError(next(name for name in names if names.count(name) > 1))
+    return found
+
+
+def _home(document: dict[str, Any], file: str) -> str:
+    """Frame that a document names, if it does."""
+    member = document.get("crs")
+    if not member:
+        return ""
     try:
-        return str(member["properties"]["name"])
+        return frame(str(member["properties"]["name"]), file)
     except (TypeError, KeyError) as error:
         raise BoundaryError(
             "its crs member names no CRS", where=file, remedy="export it again in WGS84"
@@ -87,7 +122,7 @@ def _feature(feature: Any, where: str) -> Feature:
     properties = feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
     if properties.get("name"):
-        where = f"{where} ({properties['name']})"
+        where = f"{where} ({brief(str(properties['name']))})"
     return Feature(where, _area(feature.get("geometry"), where), str(properties.get("role", "")))
 
 
@@ -95,7 +130,9 @@ def _area(geometry: Any, where: str) -> Area:
     geometry = geometry if isinstance(geometry, dict) else {}
     kind, coordinates = geometry.get("type"), geometry.get("coordinates")
     if kind not in ("Polygon", "MultiPolygon"):
-        raise not_an_outline(str(kind or "feature without geometry"), where)
+        raise not_an_outline(
+            brief(str(kind)) if isinstance(kind, str) else "feature without geometry", where
+        )
     if not (isinstance(coordinates, list) and coordinates):
         raise BoundaryError("it has no coordinates", where=where, remedy="draw the outline again")
     if kind == "Polygon":

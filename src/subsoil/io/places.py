@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
 from subsoil.field import Field
-from subsoil.frames import WGS84, looks_swapped, project, utm_crs
+from subsoil.frames import WGS84, check_metric, looks_swapped, metres_frame, project, utm_crs
 from subsoil.io.records import Finding
 
 Floats = NDArray[np.float64]
@@ -54,7 +54,12 @@ class Places:
             home = self._utm()
             return project(WGS84, home, self.x, self.y), home
         self._check_metres()
-        home = field.crs if field is not None else (crs or "")
+        if crs is not None:
+            check_metric(crs, self.file)
+        if field is not None:
+            home = field.crs
+        else:
+            home = metres_frame(crs, (float(self.x[0]), float(self.y[0]))) if crs else ""
         if crs is None or crs == home:
             return np.column_stack([self.x, self.y]), home
         return project(crs, home, self.x, self.y), home

@@ -7,7 +7,7 @@ others are used: nothing is dropped in silence, and nothing is mended by guessin
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
 from subsoil.field import Field
+from subsoil.io.missing import without_codes
 from subsoil.io.places import Places, elsewhere, outside
+from subsoil.io.plausible import strength_notes
 from subsoil.io.readings_csv import read_readings_csv
 from subsoil.io.records import Finding, Floats, Recording, kpa_per_unit
 from subsoil.io.robot_yaml import read_robot_yaml
@@ -54,6 +56,8 @@ class Readings:
         Frame of ``at``; empty for a local frame.
     source
         The file.
+    notes
+        What its owner should know of the file as a whole, a sentence each.
     """
 
     at: Floats
@@ -62,6 +66,7 @@ class Readings:
     refused: tuple[Finding, ...]
     crs: str
     source: Path
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for array in (self.at, self.rows):
@@ -88,8 +93,8 @@ def read_readings(
 ) -> Readings:
     """Read readings from a robot's YAML or a CSV table.
 
-    Zeros and blanks at the end of a profile mean that the depth was not reached. One with
-    readings below it makes the row unusable.
+    Zeros, blanks and codes such as NA and -999 at the end of a profile mean that the depth was
+    not reached. One with readings below it makes the row unusable.
 
     Parameters
     ----------
@@ -117,6 +122,8 @@ def read_readings(
     """
     path = Path(path)
     recording = _recording(path)
+    coded, codes = without_codes(recording.records)
+    recording = replace(recording, records=coded)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
     records, profiles, refused = usable(recording, factor)
     if not records:
@@ -142,6 +149,7 @@ def read_readings(
         tuple(sorted(refused, key=lambda finding: finding.row)),
         home,
         path,
+        (*recording.notes, *codes, *strength_notes(profiles)),
     )
 
 

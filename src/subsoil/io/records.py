@@ -16,6 +16,9 @@ Floats = NDArray[np.float64]
 KPA = {"kpa": 1.0, "mpa": 1000.0, "psi": 6.894757}
 """kPa in one of each unit of pressure; ``"n"``, newtons, needs a cone."""
 
+HARDEST_KPA = 50_000.0
+"""No soil is harder."""
+
 _DEPTH = re.compile(r"(\d+(?:[.p]\d+)?)\s*(mm|cm|m|in)", re.IGNORECASE)
 _METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 
@@ -76,12 +79,15 @@ class Recording:
         Whether positions are WGS84 longitude and latitude rather than metres.
     unit
         ``"kpa"``, ``"mpa"``, ``"psi"`` or ``"n"``; empty if the file does not say.
+    notes
+        What its owner should know of the file as a whole, a sentence each.
     """
 
     records: tuple[Record, ...]
     refused: tuple[Finding, ...]
     lonlat: bool
     unit: str
+    notes: tuple[str, ...] = ()
 
 
 def depth_of(label: str) -> float:
@@ -99,10 +105,10 @@ def depth_of(label: str) -> float:
     """
     found = _DEPTH.fullmatch(label.strip())
     if not found:
-        raise ValueError(f"{label!r} is not a depth with its unit, such as 2.5 cm")
+        raise ValueError(f"{label[:40]!r} is not a depth with its unit, such as 2.5 cm")
     depth = round(float(found[1].lower().replace("p", ".")) * _METRES[found[2].lower()], 6)
     if depth > 3:
-        raise ValueError(f"{label!r} is deeper than 3 m")
+        raise ValueError(f"{label[:40]!r} is deeper than 3 m")
     return depth
 
 

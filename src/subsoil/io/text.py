@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from subsoil.errors import InputError
@@ -62,6 +63,29 @@ def read_text(path: Path, wrong: type[InputError]) -> str:
     return text
 
 
+def listed(names: Sequence[str], most: int = 6) -> str:
+    """Names in a message, cut short where there are many or one is long.
+
+    Examples
+    --------
+    >>> listed(["a", "b", "c"], 2)
+    'a, b and 1 more'
+    """
+    shown = ", ".join(brief(name) for name in names[:most])
+    return f"{shown} and {len(names) - most} more" if len(names) > most else shown
+
+
+def brief(text: str, most: int = 40) -> str:
+    """Text in a message, cut short where it is long.
+
+    Examples
+    --------
+    >>> brief("a" * 50, 5)
+    'aaaaa...'
+    """
+    return text if len(text) <= most else f"{text[:most]}..."
+
+
 def number(text: str, decimal: str = ".") -> float:
     """Finite number of a cell.
 
@@ -80,11 +104,14 @@ def number(text: str, decimal: str = ".") -> float:
     """
     text = text.strip()
     if decimal != "," and _DECIMAL_COMMA.fullmatch(text):
-        raise ValueError(f"{text!r} has a decimal comma: write {text.replace(',', '.')}")
+        written = brief(text.replace(",", "."))
+        raise ValueError(f"{brief(text)!r} has a decimal comma: write {written}")
     try:
         value = float("_" if "_" in text else text.replace(decimal, "."))
     except ValueError:
-        raise ValueError(f"{text!r} is not a number" if text else "a number is missing") from None
+        raise ValueError(
+            f"{brief(text)!r} is not a number" if text else "a number is missing"
+        ) from None
     if not math.isfinite(value):
-        raise ValueError(f"{text!r} is not a finite number")
+        raise ValueError(f"{brief(text)!r} is not a finite number")
     return value

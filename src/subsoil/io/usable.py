@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from subsoil.io.records import Finding, Record, Recording
+from subsoil.io.records import HARDEST_KPA, Finding, Record, Recording
 from subsoil.penetrometer import Profile
-
-_HARDEST_KPA = 50_000.0
 
 
 def usable(
@@ -59,7 +57,7 @@ def _check_degrees(longitude: float, latitude: float) -> None:
 
 def _profile(record: Record, kpa_per_unit: float) -> Profile:
     depth_m, kpa = record.depth_m, record.values * kpa_per_unit
-    wrong = np.flatnonzero((kpa < 0) | (kpa > _HARDEST_KPA))
+    wrong = np.flatnonzero((kpa < 0) | (kpa > HARDEST_KPA))
     if wrong.size:
         raise ValueError(
             f"{kpa[wrong[0]]:.6g} kPa at {depth_m[wrong[0]]:g} m is no soil strength: "

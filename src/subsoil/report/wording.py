@@ -12,6 +12,7 @@ from subsoil.layers import LayerState
 from subsoil.plots.semivariance import remark
 from subsoil.report.outlook import in_words, outlook
 from subsoil.report.progress import Progress
+from subsoil.report.skill import layer_scores, no_better_than_mean
 from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
 from subsoil.uncertainty import standard_deviation
@@ -138,6 +139,10 @@ def notes(survey: Survey, history: Sequence[Progress], fits: Sequence[Fit]) -> I
             "not say how it would do on another field."
         )
     yield from survey.notes
+    scores = layer_scores(
+        soil_map.at, soil_map.kpa, soil_map.kriged_with, soil_map.covariate, soil_map.drift
+    )
+    yield from no_better_than_mean(soil_map.layers.names, scores)
 
 
 def _pushes(soil_map: SoilMap, state: LayerState) -> int:

@@ -1,0 +1,121 @@
+"""Rasters: one band of a GeoTIFF, averaged over the cells of a field."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from subsoil.errors import MissingExtraError, ReadingsError
+from subsoil.field import Field
+from subsoil.io.alone import alone
+
+Floats = NDArray[np.float64]
+
+_ANY_FRAME = "EPSG:32631"
+"""Stands for the frame that field and raster share without naming it."""
+_MOST_PIXELS = 500_000_000
+
+
+def read_geotiff(path: Path, field: Field, crs: str | None) -> Floats:
+    """Average the only band over each cell, by area.
+
+    Parameters
+    ----------
+    path
+        The file.
+    field
+        The field; its frame is what the raster is brought to.
+    crs
+        Frame of a file that does not name one, if not the field's.
+
+    Returns
+    -------
+    ndarray
+        (N,) means of the cells, NaN where nothing is known.
+
+    Raises
+    ------
+    ReadingsError
+        If it cannot be read, has several bands, is too large, or its frame is unknown.
+    MissingExtraError
+        If rasterio is not installed.
+    """
+    rasterio = _rasterio(path)
+    try:
+        with (
+            alone(path, ReadingsError) as copy,
+            rasterio.Env(GDAL_DISABLE_READDIR_ON_OPEN="EMPTY_DIR", GDAL_PAM_ENABLED="NO"),
+            rasterio.open(copy, driver="GTiff") as raster,
+        ):
+            _check(raster, path.name)
+            return _averaged(raster, field, _frame(raster, field, crs, path.name))
+    except rasterio.errors.RasterioError as error:
+        raise ReadingsError(
+            f"GDAL cannot read it: {' '.join(str(error).split())}",
+            where=path.name,
+            remedy="export it again as a GeoTIFF",
+        ) from error
+
+
+def _check(raster: Any, file: str) -> None:
+    if raster.count != 1:
+        raise ReadingsError(
+            f"it has {raster.count} bands", where=file, remedy="save the one to follow"
+        )
+    if raster.width * raster.height > _MOST_PIXELS:
+        raise ReadingsError(
+            f"it has {raster.width} x {raster.height} pixels",
+            where=file,
+            remedy="cut it to the field",
+        )
+    if raster.tags(ns="OVERVIEWS"):
+        raise ReadingsError(
+            "it keeps overviews in another file", where=file, remedy="export it without overviews"
+        )
+
+
+def _frame(raster: Any, field: Field, crs: str | None, file: str) -> str:
+    home = raster.crs.to_wkt() if raster.crs else (crs or field.crs)
+    if bool(home) != bool(field.crs):
+        raise ReadingsError(
+            "raster and field are not both in a named CRS, so nothing leads from one to the other",
+            where=file,
+            remedy="name the CRS of both",
+        )
+    return str(home)
+
+
+def _averaged(raster: Any, field: Field, home: str) -> Floats:
+    warp, affine = import_module("rasterio.warp"), import_module("rasterio").Affine
+    grid, size = field.grid, field.cell_size
+    west, north = grid.easting[0] - size / 2, grid.northing[-1] + size / 2
+    image = np.full((len(grid.northing), len(grid.easting)), np.nan)
+    warp.reproject(
+        raster.read(1, masked=True).astype(float).filled(np.nan),
+        image,
+        src_transform=raster.transform,
+        src_crs=home or _ANY_FRAME,
+        src_nodata=np.nan,
+        dst_transform=affine(size, 0.0, west, 0.0, -size, north),
+        dst_crs=field.crs or _ANY_FRAME,
+        dst_nodata=np.nan,
+        resampling=warp.Resampling.average,
+    )
+    values: Floats = image[::-1][grid.inside]
+    return values
+
+
+def _rasterio(path: Path) -> ModuleType:
+    try:
+        return import_module("rasterio")
+    except ImportError as error:
+        raise MissingExtraError(
+            f"reading {path.suffix} files needs rasterio, which is not installed",
+            where=path.name,
+            remedy="pip install 'subsoil[geo]', or save points as CSV",
+        ) from error

@@ -1,0 +1,107 @@
+"""Outlines as KML: WGS84, longitude first.
+
+Only polygons are read, of the file itself: links to other files are not followed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely.geometry import MultiPolygon, Polygon
+
+from subsoil.errors import BoundaryError
+from subsoil.frames import WGS84
+from subsoil.io.drawing import Drawing, Feature, draw, not_an_outline
+from subsoil.io.text import brief, read_text
+from subsoil.outline import polygon
+
+Element = ElementTree.Element
+
+_SHAPES = ("Point", "LineString", "LinearRing", "Track", "Model")
+
+
+def read_kml(path: Path) -> Drawing:
+    """Read the polygons of all placemarks; pins and lines beside them are left alone.
+
+    Raises
+    ------
+    BoundaryError
+        If it is not KML, declares entities, or has no polygon, or one that is not usable.
+    """
+    root = _parsed(read_text(path, BoundaryError), path.name)
+    places = [each for each in root.iter() if _kind(each) == "Placemark"]
+    features = [feature for k, each in enumerate(places, 1) for feature in _feature(each, k, path)]
+    if features:
+        return draw(features, WGS84)
+    shapes = [_kind(each) for place in places for each in place.iter() if _kind(each) in _SHAPES]
+    raise not_an_outline(shapes[0] if shapes else "file without a polygon", path.name)
+
+
+def _parsed(text: str, file: str) -> Element:
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise BoundaryError(
+            "it declares entities, which no KML needs", where=file, remedy="export it again"
+        )
+    try:
+        root = ElementTree.fromstring(text.partition("?>")[2] if text.startswith("<?xml") else text)
+    except (ElementTree.ParseError, RecursionError) as error:
+        raise BoundaryError(
+            f"this is not XML: {error}", where=file, remedy="export it again as KML"
+        ) from error
+    if _kind(root) != "kml":
+        raise BoundaryError(
+            f"this is {brief(_kind(root))}, not KML", where=file, remedy="export it again as KML"
+        )
+    return root
+
+
+def _feature(place: Element, number: int, path: Path) -> Iterator[Feature]:
+    name = next((each.text or "" for each in place if _kind(each) == "name"), "").strip()
+    where = f"{path.name}, feature {number}" + (f" ({brief(name)})" if name else "")
+    found = [_polygon(each, where) for each in place.iter() if _kind(each) == "Polygon"]
+    if found:
+        shape = found[0] if len(found) == 1 else MultiPolygon(found)
+        yield Feature(where, shape, _role(place))
+
+
+def _role(place: Element) -> str:
+    for each in place.iter():
+        if _kind(each) in ("Data", "SimpleData") and each.get("name") == "role":
+            return "".join(each.itertext()).strip()
+    return ""
+
+
+def _polygon(element: Element, where: str) -> Polygon:
+    rings = {"outerBoundaryIs": [], "innerBoundaryIs": []}  # type: dict[str, list[Polygon]]
+    for boundary in element:
+        for each in boundary.iter():
+            if _kind(boundary) in rings and _kind(each) == "coordinates":
+                rings[_kind(boundary)].append(polygon(_corners(each.text or "", where), where))
+    if len(rings["outerBoundaryIs"]) != 1:
+        raise BoundaryError(
+            f"a polygon has {len(rings['outerBoundaryIs'])} outer rings, not one",
+            where=where,
+            remedy="draw it again",
+        )
+    (shell,) = rings["outerBoundaryIs"]
+    return Polygon(shell.exterior, [hole.exterior for hole in rings["innerBoundaryIs"]])
+
+
+def _corners(text: str, where: str) -> NDArray[np.float64]:
+    """(k, 2) longitudes and latitudes of ``lon,lat[,height]`` parted by blanks."""
+    try:
+        pairs = [word.split(",")[:2] for word in text.split()]
+        return np.array([[float(x), float(y)] for x, y in pairs]).reshape(-1, 2)
+    except ValueError as error:
+        raise BoundaryError(
+            "its coordinates are not longitude,latitude pairs", where=where, remedy="draw it again"
+        ) from error
+
+
+def _kind(element: Element) -> str:
+    """Name of an element without its namespace; comments have none."""
+    return str(element.tag).rpartition("}")[2]
