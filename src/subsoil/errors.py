@@ -27,6 +27,17 @@ from __future__ import annotations
 from typing import ClassVar
 
 
+def printable(text: str) -> str:
+    r"""Text on one line, without signs that a terminal would obey or hide.
+
+    Examples
+    --------
+    >>> printable("a\x1b[31m field\nof mine")
+    'a?[31m field of mine'
+    """
+    return "".join(sign if sign.isprintable() else "?" for sign in " ".join(text.split()))
+
+
 class SubsoilError(Exception):
     """Root of all errors that subsoil raises on purpose.
 

@@ -29,6 +29,7 @@ from subsoil.bench.task import (
     tasks_of,
 )
 from subsoil.errors import ParameterError
+from subsoil.io.whole import whole
 
 COLUMNS = (
     "field", "protocol", "strategy", "estimator", "n",
@@ -141,7 +142,7 @@ def write_results(folder: Path) -> Path:
     """
     rows = sorted(row for result in results_of(folder) for row in _rows(result))
     path = folder / _RESULTS
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         writer.writerows([_text(value) for value in row] for row in rows)

@@ -22,6 +22,7 @@ from subsoil.bench.scoring import Scorer, surveyed
 from subsoil.bench.task import Entrant, Setting, Task
 from subsoil.bench.world import truth_of
 from subsoil.errors import NotAllowedError, ParameterError
+from subsoil.io.whole import whole
 from subsoil.plots.album import DPI, draw_survey
 from subsoil.survey import fits_of
 
@@ -64,7 +65,8 @@ def write_report(folder: Path) -> dict[str, object]:
     _write_tables(contents, folder / "tables")
     page = folder / "report.md"
     text = _page(found, benchmark.setting, benchmark.fields, missing, contents, pictures)
-    page.write_text(text, encoding="utf-8")
+    with whole(page) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
     return {
         "report": page,
         "results": write_results(folder),
@@ -133,7 +135,8 @@ def _save(pictures: Mapping[str, Figure], folder: Path) -> dict[str, Path]:
     folder.mkdir(exist_ok=True)
     paths = {name: folder / f"{name}.png" for name in pictures}
     for name, figure in pictures.items():
-        figure.savefig(paths[name], dpi=DPI)
+        with whole(paths[name]) as unfinished:
+            figure.savefig(unfinished, dpi=DPI)
     return paths
 
 
@@ -141,7 +144,8 @@ def _write_tables(contents: tuple[tables.Table, ...], folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     for table in contents:
         tables.write_csv(table, folder / f"{table.name}.csv")
-        (folder / f"{table.name}.tex").write_text(tables.latex(table), encoding="utf-8")
+        with whole(folder / f"{table.name}.tex") as unfinished:
+            unfinished.write_text(tables.latex(table), encoding="utf-8")
 
 
 _CAPTIONS = {

@@ -22,6 +22,7 @@ from subsoil.bench.comparison import (
 from subsoil.bench.hand import HandSurveys
 from subsoil.bench.paper import CORRELATION, MARKS, NORMALISED_RMSE, PATH_M, RMSE_KPA
 from subsoil.bench.task import Row
+from subsoil.io.whole import whole
 
 Cell = str | int | float | Mean
 MINUTES = 60.0
@@ -198,7 +199,7 @@ def write_csv(table: Table, path: Path) -> None:
         for column, two in zip(table.columns, wide, strict=True)
         for name in ((column, f"{column} ±") if two else (column,))
     ]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         for row in table.rows:

@@ -22,7 +22,7 @@ from subsoil.cli import (
     looking,
     surveying,
 )
-from subsoil.errors import SubsoilError
+from subsoil.errors import SubsoilError, printable
 
 _INTERRUPTED = 130
 """What typer makes of Ctrl-C."""
@@ -49,11 +49,6 @@ app.command()(diagnosing.doctor)
 app.add_typer(benching.app, name="bench")
 
 
-def main() -> None:
-    """Run the command line and exit."""
-    sys.exit(run(sys.argv[1:]))
-
-
 def run(arguments: list[str]) -> int:
     """Run the command line; returns the exit code."""
     try:
@@ -73,5 +68,5 @@ def run(arguments: list[str]) -> int:
 
 
 def _say(line: str, code: int) -> int:
-    print("error: " + " ".join(line.split()), file=sys.stderr)
+    print("error: " + printable(line), file=sys.stderr)
     return code

@@ -27,6 +27,7 @@ from subsoil.io.rasters import write_geotiffs
 from subsoil.kriging import LeaveOneOut, block_out
 from subsoil.kriging.choice import learn
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
+from subsoil.kriging.memory import check_memory
 from subsoil.plots import readings_figures
 from subsoil.report.skill import layer_scores, no_better_than_mean
 from subsoil.soilmap import SoilMap
@@ -67,6 +68,7 @@ def make_map(
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     field = read_field(boundary, crs=crs, cell_size=cell)
     material = material_of(readings, layers, field, crs, cone_area, units)
+    check_memory(len(material.samples), len(field.cells))
     known = covariate_of(covariate, column, field, crs)
     chosen = estimator_named(estimator, field.extent_m, numbers(setting))
     learnt = learn(material.at, material.kpa, known, chosen, rule_named(drift))
@@ -86,9 +88,7 @@ def make_map(
         "samples": len(material.samples),
         "refused": material.refused,
         "std_dev_kpa": float(np.sqrt(soil_map.mean_kv)),
-        "notes": tuple(
-            dict.fromkeys((*material.notes, *soil_map.notes, *_unskilled(material, scores)))
-        ),
+        "notes": tuple(dict.fromkeys((*material.notes, *soil_map.notes, *unskilled))),
         "drift": [material.layers.names[k] for k in learnt.drift],
         "maps": rasters,
         "figures": figures,
@@ -112,6 +112,7 @@ def variogram(
     """Show empirical variograms with pair counts, and what was fitted to them."""
     field = read_field(boundary, crs=crs) if boundary else None
     material = material_of(readings, layers, field, crs, cone_area, units)
+    check_memory(len(material.samples))
     extent = field.extent_m if field else extent_of(material.at)
     chosen = estimator_named(estimator, extent, numbers(setting))
     fits = chosen(material.at, material.kpa)
@@ -147,6 +148,7 @@ def cv(
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     field = read_field(boundary, crs=crs) if boundary else None
     material = material_of(readings, layers, field, crs, cone_area, units)
+    check_memory(len(material.samples))
     extent = field.extent_m if field else extent_of(material.at)
     fits = estimator_named(estimator, extent, numbers(setting))(material.at, material.kpa)
     scores = _scores(material, fits)

@@ -28,6 +28,7 @@ from subsoil.bench import (
 from subsoil.bench.running import Outcome
 from subsoil.bench.task import PROTOCOLS, entrants_of
 from subsoil.bench.world import land_of
+from subsoil.cli.options import allowed_by
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell
 from subsoil.errors import ParameterError, SubsoilError
 from subsoil.strategies import STRATEGIES
@@ -76,7 +77,9 @@ def run(
     A folder can be added to: with more fields, strategies or estimators and all else equal.
     """
     setting = _setting(protocol, seed, samples, boundary)
-    entrants = entrants_of(_names(strategies), _names(estimator or ""))
+    names = _names(strategies), _names(estimator or "")
+    allowed_by(None, *names[0], *names[1])
+    entrants = entrants_of(*names)
     benchmark = Benchmark(setting, fields, entrants)
     enter(folder(out), benchmark)
     waiting = [task for task in benchmark.tasks if not kept(out, task)]

@@ -25,7 +25,7 @@ from subsoil.cli.worlds import SIMULATED, demo_field, robot_of, simulation_of, t
 from subsoil.errors import JournalError
 from subsoil.field import Field
 from subsoil.io.rasters import write_geotiffs
-from subsoil.journal import Journal, create
+from subsoil.journal import Journal, create, fingerprint, last_event
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
@@ -79,7 +79,8 @@ def demo(
         survey, history = _survey(journal, settings, truth, simulation_of(truth, field, seed))
     fits = fits_of(survey)
     rasters = write_geotiffs(survey.soil_map, land, out)
-    report = write_report(survey, history, fits, out)
+    _, digest = last_event(path)
+    report = write_report(survey, history, fits, out, fingerprint=fingerprint(digest))
     result = {
         **summary(survey),
         "rmse_kpa": history[-1].rmse,

@@ -24,6 +24,7 @@ from subsoil.cli.options import (
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell, tell_table
 from subsoil.errors import ParameterError
 from subsoil.field import Field
+from subsoil.io.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
 from subsoil.plots import outlook_curve
@@ -188,7 +189,8 @@ def _draw(events: Sequence[Event], prospects: Outlook, path: Path) -> Path:
     first, *later = events
     assert isinstance(first, Opened)
     figure = outlook_curve(progress_of(first, later), prospects, caption=first.name)
-    figure.savefig(path, dpi=DPI)
+    with whole(path) as unfinished:
+        figure.savefig(unfinished, dpi=DPI)
     return path
 
 

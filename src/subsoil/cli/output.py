@@ -14,6 +14,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from subsoil.errors import printable
+
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.", min=0)]
 Out = Annotated[Path, typer.Option(help="Folder to write to; made if missing.")]
@@ -39,7 +41,8 @@ def tell(result: Mapping[str, object], as_json: bool) -> None:
 
 def tell_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     """Print rows under a title, for people."""
-    table = Table(title=title, title_justify="left")
+    lines = (printable(line) for line in title.splitlines())
+    table = Table(title="\n".join(lines), title_justify="left")
     for k, name in enumerate(columns):
         table.add_column(_label(name), justify="right" if k else "left")
     for row in rows:
@@ -52,10 +55,10 @@ def progress(what: str, total: int) -> Iterator[Advance]:
     """Show progress with a rate on a terminal; quiet when piped."""
     console = Console(stderr=True)
     with Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
-        TextColumn("{task.fields[note]}"),
+        TextColumn("{task.fields[note]}", markup=False),
         TimeRemainingColumn(),
         console=console,
         disable=not console.is_terminal,
@@ -82,8 +85,8 @@ def _label(name: str) -> str:
 
 def _console() -> Console:
     """Terminal as wide as it is; files and pipes as wide as any table."""
-    console = Console()
-    return console if console.is_terminal else Console(width=_PIPE_COLUMNS)
+    width = None if Console().is_terminal else _PIPE_COLUMNS
+    return Console(width=width, markup=False, emoji=False, highlight=False)
 
 
 def _plain(value: object) -> object:
@@ -109,4 +112,4 @@ def _shown(value: object) -> str:
         return ", ".join(f"{key} {_shown(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):
         return ", ".join(_shown(item) for item in value) or "-"
-    return str(value)
+    return printable(str(value))

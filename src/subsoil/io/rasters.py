@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from subsoil.errors import MissingExtraError, ParameterError
 from subsoil.field import Field
 from subsoil.frames import named_crs
+from subsoil.io.whole import whole
 from subsoil.soilmap import SoilMap
 from subsoil.uncertainty import standard_deviation
 
@@ -158,16 +159,19 @@ def _write(
     rasterio = _extra("rasterio", "a GeoTIFF")
     size, grid = field.cell_size, field.grid
     west, north = grid.easting[0] - size / 2, grid.northing[-1] + size / 2
-    with rasterio.open(
-        path,
-        "w",
-        width=len(grid.easting),
-        height=len(grid.northing),
-        count=len(bands),
-        crs=named_crs(field.crs, field.name).to_wkt() if field.crs else None,
-        transform=rasterio.Affine(size, 0.0, west, 0.0, -size, north),
-        **_COG,
-    ) as raster:
+    with (
+        whole(path) as unfinished,
+        rasterio.open(
+            unfinished,
+            "w",
+            width=len(grid.easting),
+            height=len(grid.northing),
+            count=len(bands),
+            crs=named_crs(field.crs, field.name).to_wkt() if field.crs else None,
+            transform=rasterio.Affine(size, 0.0, west, 0.0, -size, north),
+            **_COG,
+        ) as raster,
+    ):
         raster.write(bands[:, ::-1].astype(np.float32))
         raster.descriptions = names
         raster.units = ("kPa",) * len(bands)

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from subsoil.errors import CorruptJournalError, JournalError
+from subsoil.errors import CorruptJournalError, JournalError, printable
 from subsoil.journal.geopackage import APPLICATION_ID
 from subsoil.journal.owner import OWNER
 
@@ -118,11 +118,6 @@ def _damaged(path: Path, how: str) -> CorruptJournalError:
     return CorruptJournalError(
         f"the file is damaged: {how}", where=str(path), remedy=_BACK_TO_A_COPY
     )
-
-
-def printable(text: str) -> str:
-    """Text on one line, without signs that a terminal would obey."""
-    return "".join(sign if sign.isprintable() else "?" for sign in " ".join(text.split()))
 
 
 def _remedy(error: Exception) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import sqlite3
 from pathlib import Path
 
-from subsoil.errors import JournalError
+from subsoil.errors import JournalError, printable
 from subsoil.journal import owner
-from subsoil.journal.connection import printable
 from subsoil.journal.foreign import foreign
 
 COPIED = "copied while open, may lack the last events"

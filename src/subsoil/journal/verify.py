@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Iterator
 from datetime import datetime
 from pathlib import Path
 
-from subsoil.errors import CorruptJournalError, SubsoilError
+from subsoil.errors import CorruptJournalError, SubsoilError, printable
 from subsoil.journal import format_0, gis
-from subsoil.journal.connection import printable, reading
+from subsoil.journal.connection import reading
 from subsoil.journal.content import ROOT, Recorded, cut_off, digest_of, read_row, rows_of
 from subsoil.journal.foreign import foreign
 from subsoil.journal.geopackage import geometry_of, srs_of_frame

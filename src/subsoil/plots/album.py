@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from subsoil import routing
 from subsoil.field import Field
+from subsoil.io.whole import whole
 from subsoil.plots.depth import profiles
 from subsoil.plots.learning import learning_curves
 from subsoil.plots.maps import depth_slices, std_dev
@@ -134,7 +135,8 @@ def way(survey: Survey) -> NDArray[np.float64]:
 def _save(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:
     paths = {name: Path(folder) / f"{name}.png" for name in figures}
     for name, figure in figures.items():
-        figure.savefig(paths[name], dpi=DPI)
+        with whole(paths[name]) as unfinished:
+            figure.savefig(unfinished, dpi=DPI)
     return tuple(paths.values())
 
 

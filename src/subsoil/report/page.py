@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 from subsoil.errors import MissingExtraError
+from subsoil.io.whole import whole
 from subsoil.plots.album import DPI, survey_figures
 from subsoil.report.progress import Progress
 from subsoil.report.wording import headline, notes, rows
@@ -61,6 +62,7 @@ def write_report(
     folder: Path,
     *,
     title: str = "",
+    fingerprint: str = "",
 ) -> Path:
     """Write ``report.html`` and the pictures in it as PNG files; returns the path of the page.
 
@@ -78,6 +80,8 @@ def write_report(
         Where to write to; it exists.
     title
         Heading of the page. Default: the name of the survey.
+    fingerprint
+        Of the survey file's events, as ``subsoil status`` prints it; shown if given.
 
     Raises
     ------
@@ -89,9 +93,11 @@ def write_report(
         If matplotlib or jinja2 is not installed.
     """
     paths = survey_figures(survey, history, fits, folder)
-    text = render(survey, history, fits, [_picture(path) for path in paths], title=title)
+    pictures = [_picture(path) for path in paths]
+    text = render(survey, history, fits, pictures, title=title, fingerprint=fingerprint)
     path = Path(folder) / "report.html"
-    path.write_text(text, encoding="utf-8")
+    with whole(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
     return path
 
 
@@ -102,12 +108,13 @@ def render(
     pictures: Sequence[Picture],
     *,
     title: str = "",
+    fingerprint: str = "",
 ) -> str:
     """Return the HTML of a report.
 
     Parameters
     ----------
-    survey, history, fits, title
+    survey, history, fits, title, fingerprint
         As in :func:`write_report`.
     pictures
         What to show, in order.
@@ -129,6 +136,7 @@ def render(
         notes=tuple(notes(survey, history, fits)),
         pictures=pictures,
         finished=survey.finished,
+        fingerprint=fingerprint,
     )
     return text
 
