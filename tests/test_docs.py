@@ -8,7 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-PAGE = Path(__file__).parents[1] / "docs" / "strategies.md"
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = DOCS / "strategies.md"
+ROBOTS = DOCS / "robots.md"
 NAME = "mine:variance_per_second"
 
 
@@ -45,3 +47,14 @@ def test_the_page_names_every_strategy() -> None:
     from subsoil.strategies import STRATEGIES
 
     assert set(STRATEGIES) <= set(re.findall(r"^\| `([\w-]+)` \|", PAGE.read_text(), re.MULTILINE))
+
+
+def test_the_robot_of_the_page_surveys(tmp_path: Path) -> None:
+    blocks = re.findall(r"```python\n# (\w+\.py)\n(.*?)```", ROBOTS.read_text(), re.DOTALL)
+    for name, code in blocks:
+        (tmp_path / name).write_text(code)
+    done = subprocess.run(
+        [sys.executable, "main.py"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "6 samples" in done.stdout
