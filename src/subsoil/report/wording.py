@@ -67,8 +67,8 @@ def headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str,
 def _origin(survey: Survey) -> str:
     """Say who took the readings, and whether they were simulated."""
     if survey.simulated:
-        worlds = dict.fromkeys(each.world for each in survey.simulation)
-        return f"simulated, {', '.join(worlds) or 'of an unknown soil'}"
+        soils = dict.fromkeys(f"{each.world}, seed {each.seed}" for each in survey.simulation)
+        return f"simulated; soil: {'; '.join(soils) or 'unknown'}"
     return ", ".join(f"{agent.name} ({agent.kind})" for agent in survey.agents) or "none"
 
 
