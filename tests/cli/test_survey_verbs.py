@@ -142,6 +142,22 @@ def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
     out = capsys.readouterr().out
     for verb in (
         "demo", "init", "plan", "run", "resume", "status", "map", "variogram", "cv", "replay",
-        "verify", "doctor",
+        "verify", "withdraw", "doctor",
     ):  # fmt: skip
         assert verb in out
+
+
+def test_the_demonstration_leaves_a_survey_that_verifies_and_a_report_of_the_same_events(
+    cli: Cli, tmp_path: Path
+) -> None:
+    made = cli("demo", "--out", tmp_path, "--samples", 4, "--json").json
+    assert made["samples"] == 4
+    verified = cli("verify", tmp_path / "survey.gpkg", "--json").json
+    assert verified["findings"] == "none"
+    status = cli("status", tmp_path / "survey.gpkg", "--json").json
+    assert verified["fingerprint"] == status["fingerprint"]
+    report = (tmp_path / "report.html").read_text()
+    assert status["fingerprint"] in report
+    assert "simulated; soil: simulated, seed 0" in report
+    for name in ("mean_kpa.tif", "std_dev_kpa.tif"):
+        assert (tmp_path / name).stat().st_size > 0
