@@ -78,6 +78,28 @@ def test_a_survey_file_that_names_code_does_not_run_it(tmp_path: Path) -> None:
     assert (tmp_path / "loaded").exists()
 
 
+@pytest.mark.parametrize("name", ["mine", "mine:own"])
+def test_a_module_of_the_current_folder_runs_once_the_user_names_it(
+    tmp_path: Path, name: str
+) -> None:
+    (tmp_path / "plot.csv").write_text(OUTLINE)
+    (tmp_path / "mine.py").write_text(
+        "from subsoil.strategies import STRATEGIES\n"
+        "def own(view):\n    return STRATEGIES['greedy'](view)\n"
+    )
+    assert subsoil(tmp_path, "init", "s.gpkg", "--boundary", "plot.csv").returncode == 0
+    planned = subsoil(tmp_path, "plan", "s.gpkg", "--strategy", "mine:own", "--samples", 3)
+    assert planned.returncode == 0, planned.stderr
+    done = subsoil(tmp_path, "run", "s.gpkg", "--samples", 3, "--strategy", "mine:own")
+    assert done.returncode == 0, done.stderr
+    refused = subsoil(tmp_path, "resume", "s.gpkg")
+    assert refused.returncode == 0 or "--allow mine" in refused.stderr
+    for verb in ("verify", "plan", "resume"):
+        allowed = subsoil(tmp_path, verb, "s.gpkg", "--allow", name)
+        assert allowed.returncode == 0, allowed.stdout + allowed.stderr
+        assert "not recomputed" not in allowed.stdout
+
+
 def test_a_link_in_the_place_of_an_output_is_replaced_and_not_followed(
     cli: Cli, tmp_path: Path, outline: Path, readings: Path
 ) -> None:

@@ -60,15 +60,15 @@ def plan(
     as_json: AsJson = False,
 ) -> None:
     """Show where a survey would go next; changes nothing."""
-    state = fold(read_survey(survey).events)
+    state, allowed = fold(read_survey(survey).events), allowed_by(allow, strategy)
     if not state.method:
         settings = settings_of(
             state.field, strategy, samples, seed,
             metres=metres, minutes=minutes, strategy_settings=values(strategy_setting),
-            allowed=allowed_by(allow, strategy),
+            allowed=allowed,
         )  # fmt: skip
         state = apply(state, Configured(settings=settings))
-    state, _ = settled(state, allowed_by(allow))
+    state, _ = settled(state, allowed)
     stops = _next(state)
     way = length(travel_of(state.field), state.position, state.field.cells[list(stops)])
     result: dict[str, object] = {

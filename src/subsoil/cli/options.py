@@ -120,12 +120,13 @@ def settings_of(
 def allowed_by(modules: list[str] | None, *typed: str) -> frozenset[str]:
     """Modules whose code may be run: those allowed, and those of names that the user typed.
 
-    For the latter the current folder is searched too, after everything else.
+    For these the current folder is searched too, after everything else.
     """
-    own = frozenset[str]().union(*(module_of(name) for name in typed))
+    allowed = frozenset(name.partition(":")[0] for name in modules or ())
+    own = allowed.union(*(module_of(name) for name in typed))
     if own and os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
-    return own.union(modules or ())
+    return own
 
 
 def values(settings: list[str] | None) -> dict[str, float | str]:

@@ -260,7 +260,11 @@ class LocalDispatch:
         try:
             return self.survey.reading(report)
         except KeyError:
-            raise ReportError(f"there is no reading {report!r}", where=self.survey.name) from None
+            raise ReportError(
+                f"there is no reading {report!r} that counts",
+                where=self.survey.name,
+                remedy="give the id of a row of the layer samples",
+            ) from None
 
     def _own(self, agent: str, assignment: str) -> None:
         """Check that an assignment is an agent's."""
