@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from subsoil.journal import open_journal, read_events, read_survey, verify
+from subsoil.journal import copy, open_journal, read_events, read_survey, verify
 
 Start = Callable[[Path], Any]
 
@@ -82,8 +82,8 @@ def test_a_copy_of_an_open_file_alone_says_that_it_may_lack_the_last_events(
 ) -> None:
     open_ = writer(half_done)
     open_.told("a", "b")
-    copy = copied_alone(half_done)
-    (note,) = read_survey(copy).notes
+    alone = copied_alone(half_done)
+    (note,) = read_survey(alone).notes
     assert note.startswith("copied while open, may lack the last events")
     assert f"process {open_.process.pid}" in note
 
@@ -108,11 +108,18 @@ def test_a_copy_of_an_open_file_can_be_gone_on_with_and_says_so(
     half_done: Path, writer: Start
 ) -> None:
     writer(half_done).told("a", "b")
-    copy = copied_alone(half_done)
-    with open_journal(copy) as journal:
+    alone = copied_alone(half_done)
+    with open_journal(alone) as journal:
         assert "copied while open" in journal.notes[0]
-    assert read_survey(copy).notes == ()
-    assert verify(copy).findings == ()
+    assert read_survey(alone).notes == ()
+    assert verify(alone).findings == ()
+
+
+def test_a_copy_of_such_a_copy_says_so_too(half_done: Path, writer: Start) -> None:
+    writer(half_done).told("a")
+    again = half_done.parent / "again.gpkg"
+    copy(copied_alone(half_done), again)
+    assert "copied while open" in read_survey(again).notes[0]
 
 
 def test_an_open_file_is_no_copy(half_done: Path, writer: Start) -> None:

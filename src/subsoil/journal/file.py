@@ -267,7 +267,8 @@ def copy(path: Path, to: Path) -> None:
         try:
             database.backup(target)
             target.execute("PRAGMA journal_mode = DELETE")
-            owner.sign_off(target)
+            if not marks(database, path):
+                owner.sign_off(target)
         finally:
             target.close()
 
