@@ -33,10 +33,11 @@ class _Loader(_SafeLoader):  # type: ignore[misc]
     """Loader that refuses what YAML reads otherwise than people do: 0750 as 488, 1:30 as 90."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        names = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        for (key, _), name in zip(node.value, names, strict=False):
-            if names.count(name) > 1:
-                raise _doubt(f"{brief(name)!r} is there twice", key)
+        seen: set[str] = set()
+        for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
+            if key.value in seen:
+                raise _doubt(f"{brief(key.value)!r} is there twice", key)
+            seen.add(key.value)
         mapping: dict[Any, Any] = super().construct_mapping(node, deep)
         return mapping
 
