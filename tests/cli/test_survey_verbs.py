@@ -161,3 +161,15 @@ def test_the_demonstration_leaves_a_survey_that_verifies_and_a_report_of_the_sam
     assert "simulated; soil: simulated, seed 0" in report
     for name in ("mean_kpa.tif", "std_dev_kpa.tif"):
         assert (tmp_path / name).stat().st_size > 0
+
+
+def test_init_says_that_it_moved_a_field_whose_metres_are_not_ground_metres(
+    cli: Cli, tmp_path: Path
+) -> None:
+    outline = tmp_path / "mercator.csv"
+    outline.write_text(
+        "easting,northing\n628000,6817000\n628200,6817000\n628200,6817200\n628000,6817200\n"
+    )
+    call = ("init", tmp_path / "s.gpkg", "--boundary", outline, "--crs", "EPSG:3857", "--json")
+    (note,) = cli(*call).json["notes"]
+    assert "EPSG:3857" in note

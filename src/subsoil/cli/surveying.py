@@ -86,6 +86,7 @@ def init(
         "cells": len(field.cells),
         "cone_area_mm2": cone_area,
         "force_limit_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
+        "notes": field.notes,
     }
     tell(result, as_json)
 
