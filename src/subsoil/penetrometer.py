@@ -191,9 +191,13 @@ def faults(reading: Reading, cone: Cone) -> str:
         return f"{len(reading.depth_m)} depths do not pair with {len(values)} readings"
     if not (np.isfinite(tip.area_mm2) and tip.area_mm2 > 0):
         return f"a cone of {tip.area_mm2:g} mm2 measures nothing"
+    if not 0 < tip.angle_deg < 180:
+        return f"a cone with an apex angle of {tip.angle_deg:g} degrees is none"
     depth = np.array(reading.depth_m)
     if not np.isfinite(depth).all() or (np.abs(depth) > DEEPEST_M).any():
         return f"depths are not all within {DEEPEST_M:g} m: they are in m, positive down"
+    if depth.size and (depth < 0).all():
+        return "all depths are above the ground: they are in m, positive down"
     return _wrong_values(reading, tip)
 
 

@@ -14,7 +14,7 @@ from subsoil.errors import ReportError
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
-from subsoil.reports import LONLAT, Quantity, Reading, Refused, Sampled, Source
+from subsoil.reports import LONLAT, Quantity, Reading, Refused, Sampled, Source, Tip
 from subsoil.survey import LocalDispatch, Memory, Settings, fold, opened, opening
 from subsoil.survey.events import Configured, from_json, to_json
 
@@ -51,12 +51,20 @@ def reading(**changes: Any) -> dict[str, Reading]:
     return {"reading": GOOD.model_copy(update=changes)}
 
 
+def moisture(**changes: Any) -> Quantity:
+    said = {"name": "moisture", "unit": "%", "depth_m": (0.1, 0.3), "values": (21.0, 18.0)}
+    return Quantity.model_validate({**said, **changes})
+
+
 CANNOT_BE: list[tuple[dict[str, Any], str]] = [
     ({"at": (nan, 5_904_020.0)}, r"place \(nan, .*\) is not finite"),
     ({"at": (675_030.0, inf)}, "is not finite"),
     ({"at": (200.0, 53.0), "frame": LONLAT}, "longitude 200, latitude 53 is no place"),
     ({"at": (-0.3, 95.0), "frame": LONLAT}, "is no place"),
+    ({"at": (200.0, 53.0), "frame": "WGS84"}, "longitude 200, latitude 53 is no place"),
+    ({"at": (1e300, 1e300)}, r"place \(1e\+300, 1e\+300\) is not on Earth"),
     ({"frame": "EPSG:999999"}, "no CRS"),
+    ({"frame": "http://example.org/crs"}, "no CRS"),
     ({"metres": -1.0}, "a way of -1 m cannot be"),
     ({"metres": nan}, "a way of nan m cannot be"),
     ({"metres": 1e300}, "a way of 1e"),
@@ -64,7 +72,9 @@ CANNOT_BE: list[tuple[dict[str, Any], str]] = [
     ({"seconds": inf}, "a time of inf s cannot be"),
     ({"seconds": 1e9}, "a time of 1e"),
     ({"tries": -1}, "a number of tries of -1 cannot be"),
-    ({"accuracy_m": -2.0}, "an? accuracy of -2 m cannot be"),
+    ({"tries": 10**400}, "a number of tries of inf cannot be"),
+    ({"accuracy_m": -2.0}, "an accuracy of -2 m cannot be"),
+    ({"accuracy_m": 1e300}, "an accuracy of 1e"),
     ({"accuracy_m": nan}, "accuracy of nan"),
     (reading(force_n=(1.0, 1e300, 3.0, 4.0)), r"force is 1e\+300 N at 0.200 m"),
     (reading(force_n=(1.0, nan, 3.0, 4.0)), "force is nan N at 0.200 m"),
@@ -73,6 +83,14 @@ CANNOT_BE: list[tuple[dict[str, Any], str]] = [
     (reading(kpa=(1.0, 2.0, 3.0, 4.0)), "it gives both"),
     (reading(depth_m=(10.0, 20.0, 30.0, 40.0)), "they are in m, positive down"),
     (reading(depth_m=(0.1, nan, 0.3, 0.4)), "they are in m, positive down"),
+    (reading(depth_m=(-0.1, -0.2, -0.3, -0.4)), "they are in m, positive down"),
+    (reading(tip=Tip(area_mm2=nan)), "a cone of nan mm2 measures nothing"),
+    (reading(tip=Tip(area_mm2=130.0, angle_deg=-30.0)), "an apex angle of -30 degrees"),
+    (reading(further=(moisture(values=(21.0, nan)),)), "moisture are not all finite"),
+    (reading(further=(moisture(depth_m=(0.1, inf)),)), "moisture are not all finite"),
+    (reading(further=(moisture(values=(21.0,)),)), "1 values of moisture do not pair with 2"),
+    (reading(further=(moisture(name=""),)), "has no name"),
+    ({"id": ""}, "it has no id"),
     ({"agent": "bert"}, "agent 'bert' never joined the survey"),
     ({"source": Source(kind="simulator")}, "simulated and real readings do not go into one"),
 ]
@@ -119,7 +137,7 @@ class Odd:
 @pytest.mark.parametrize(
     "changes",
     [
-        *(c for c, _ in CANNOT_BE if not {"agent", "source", "frame"} & c.keys()),
+        *(c for c, _ in CANNOT_BE if not {"agent", "source", "frame", "id"} & c.keys()),
         {"at": ("here", "there")},
         {"reading": "a reading"},
     ],
@@ -179,14 +197,14 @@ def test_a_bouncing_rod_and_a_force_below_zero_are_kept_flagged_and_mapped() -> 
 
 def test_a_reading_of_pressure_and_what_else_was_measured_are_kept() -> None:
     dispatch = begun()
-    moisture = Quantity(name="moisture", unit="%", depth_m=(0.1, 0.3), values=(21.0, 18.0))
+    further = (moisture(), moisture(name="temperature", unit="C", depth_m=(), values=(9.5,)))
     dispatch.report(
-        report(reading=Reading(depth_m=(0.2, 0.4), kpa=(900.0, 1500.0), further=(moisture,)))
+        report(reading=Reading(depth_m=(0.2, 0.4), kpa=(900.0, 1500.0), further=further))
     )
     (kept,) = dispatch.survey.readings
     back = from_json(to_json(kept))
     assert isinstance(back, Sampled)
-    assert back.reading.further == (moisture,)
+    assert back.reading.further == further
     assert dispatch.survey.soil_map.samples[0].kpa.tolist() == [900.0, 1500.0]
 
 

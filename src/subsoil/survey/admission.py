@@ -9,16 +9,20 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 from math import inf, isfinite
 
-from subsoil.errors import ReportError, SubsoilError
-from subsoil.frames import project
+from subsoil.errors import BoundaryError, ReportError
+from subsoil.frames import named_crs, project
 from subsoil.penetrometer import faults, flags_of
-from subsoil.reports import LONLAT, Place, Report, Sampled
+from subsoil.reports import Place, Report, Sampled
 from subsoil.survey.state import NOWHERE, Survey, cell_of
 
 OUTSIDE, CLOCK_OFF = "outside-the-field", "clock-off"
 """Flags of readings that lie in no cell, and of times that cannot be."""
 _LONGEST_WAY_M, _LONGEST_TIME_S = 1e6, 30 * 86_400.0
 """More than any agent drives or spends between two reports."""
+_FARTHEST_M = 1e8
+"""More than any easting or northing on Earth."""
+_LEAST_ACCURATE_M = 1e4
+"""Standard deviation of a place that nobody who knows where he is reports."""
 _AHEAD, _BEHIND = timedelta(hours=1), timedelta(days=3650)
 """How far a clock may be from the host's: readings are entered years later, not before."""
 
@@ -42,6 +46,8 @@ def admitted(survey: Survey, report: Report, now: datetime) -> Report:
     """
     _check_agent(survey, report)
     _check_numbers(report)
+    if isinstance(report, Sampled):
+        _check_further(report)
     report = report.model_copy(update={"at": _placed(survey, report), "frame": ""})
     if isinstance(report, Sampled):
         report = _flagged(survey, report, now)
@@ -49,6 +55,12 @@ def admitted(survey: Survey, report: Report, now: datetime) -> Report:
 
 
 def _check_agent(survey: Survey, report: Report) -> None:
+    if not report.id:
+        raise ReportError(
+            "it has no id, by which to tell it from the next",
+            where=f"report of {report.agent}",
+            remedy="give each report an id of its own",
+        )
     names = [agent.name for agent in survey.agents]
     if report.agent not in names:
         raise ReportError(
@@ -66,23 +78,61 @@ def _check_agent(survey: Survey, report: Report) -> None:
 
 def _check_numbers(report: Report) -> None:
     numbers = [
-        ("way", report.metres, 0.0, _LONGEST_WAY_M, "m"),
-        ("time", report.seconds, 0.0, _LONGEST_TIME_S, "s"),
-        ("number of tries", report.tries, 0, 10_000, ""),
+        ("a way", report.metres, 0.0, _LONGEST_WAY_M, "m"),
+        ("a time", report.seconds, 0.0, _LONGEST_TIME_S, "s"),
+        ("a number of tries", _float(report.tries), 0.0, 1e4, ""),
     ]
     if report.accuracy_m is not None:
-        numbers.append(("accuracy", report.accuracy_m, 0.0, inf, "m"))
+        numbers.append(("an accuracy", report.accuracy_m, 0.0, _LEAST_ACCURATE_M, "m"))
     for name, value, least, most, unit in numbers:
-        if not (isfinite(value) and least <= value <= most):
+        if not least <= value <= most:
             raise ReportError(
-                f"a {name} of {value:g} {unit}".rstrip() + " cannot be",
+                f"{name} of {value:g} {unit}".rstrip() + " cannot be",
                 where=f"report of {report.agent}",
                 remedy="correct it, and report again",
             )
 
 
+def _float(whole: int) -> float:
+    """A whole number of any size."""
+    try:
+        return float(whole)
+    except OverflowError:
+        return inf if whole > 0 else -inf
+
+
+def _check_further(report: Sampled) -> None:
+    """Check what was measured beside resistance: it is kept, and one day mapped."""
+    for quantity in report.reading.further:
+        name, depth, values = quantity.name, quantity.depth_m, quantity.values
+        if not name:
+            fault = "a quantity beside resistance has no name"
+        elif len(values) != (len(depth) or 1):
+            fault = f"{len(values)} values of {name} do not pair with {len(depth) or 1} depths"
+        elif not all(map(isfinite, (*depth, *values))):
+            fault = f"values and depths of {name} are not all finite"
+        else:
+            continue
+        raise ReportError(
+            fault,
+            where=f"report of {report.agent}",
+            remedy="leave out values that were not taken",
+        )
+
+
 def _placed(survey: Survey, report: Report) -> Place:
     """Place of a report in the field's frame."""
+    at = _projected(survey, report)
+    if max(map(abs, at)) > _FARTHEST_M:
+        raise ReportError(
+            f"its place ({at[0]:g}, {at[1]:g}) is not on Earth",
+            where=f"report of {report.agent}",
+            remedy=f"give it in {survey.field.crs or 'metres'}, or name its frame",
+        )
+    return at
+
+
+def _projected(survey: Survey, report: Report) -> Place:
     where = f"report of {report.agent}"
     east, north = report.at
     if not (isfinite(east) and isfinite(north)):
@@ -93,11 +143,13 @@ def _placed(survey: Survey, report: Report) -> Place:
         )
     if report.frame in ("", survey.field.crs):
         return report.at
-    if report.frame == LONLAT and not (abs(east) <= 180 and abs(north) <= 90):
-        raise ReportError(f"longitude {east:g}, latitude {north:g} is no place", where=where)
     try:
+        if named_crs(report.frame, where).is_geographic and not (
+            abs(east) <= 180 and abs(north) <= 90
+        ):
+            raise ReportError(f"longitude {east:g}, latitude {north:g} is no place", where=where)
         (moved,) = project(report.frame, survey.field.crs, [east], [north])
-    except SubsoilError as error:
+    except BoundaryError as error:
         raise ReportError(error.what, where=where, remedy=error.remedy) from error
     if not (isfinite(moved[0]) and isfinite(moved[1])):
         raise ReportError(
