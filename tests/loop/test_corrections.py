@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime, timedelta
-from math import sin
+from math import nan, sin
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from subsoil.agent import Assignment
 from subsoil.errors import ReportError
@@ -17,8 +16,10 @@ from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import Place, Reading, Sampled
+from subsoil.strategies import STRATEGIES
 from subsoil.survey import LocalDispatch, Memory, Settings, Survey, fold, opened, opening, settled
-from subsoil.survey.events import Configured, Fitted
+from subsoil.survey.events import Configured, Fitted, Planned
+from subsoil.survey.state import stop_of
 
 FIELD = Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)])
 OPENED = opening(FIELD, Layers((0.0, 0.2, 0.4)), SMALL_CONE)
@@ -39,13 +40,22 @@ def report(k: int, agent: str = "anna", **more: object) -> Sampled:
     return Sampled.model_validate({"id": f"reading-{k}", **said})
 
 
-def begun(samples: int = 40, recorder: Memory | None = None) -> LocalDispatch:
+def begun(
+    samples: int = 40, recorder: Memory | None = None, strategy: str = "area-split"
+) -> LocalDispatch:
     dispatch = LocalDispatch(opened(OPENED), recorder or Memory())
-    wanted = Settings(start=(0.0, 0.0), strategy="area-split", samples=samples, seed=2)
+    wanted = Settings(start=(0.0, 0.0), strategy=strategy, samples=samples, seed=2)
     dispatch.record(Configured(settings=wanted))
     for name in ("anna", "bert"):
         dispatch.join(name)
     return dispatch
+
+
+def work(dispatch: LocalDispatch) -> None:
+    """Make every stop that is asked for."""
+    while isinstance(stop := dispatch.assign("anna"), Assignment):
+        said = Sampled(agent="anna", assignment=stop.id, at=stop.at, reading=reading(stop.at))
+        dispatch.report(said)
 
 
 def fitted(survey: Survey) -> Survey:
@@ -63,11 +73,7 @@ def told(*ks: int) -> Survey:
 def assert_same_map(one: Survey, other: Survey, tolerance: float) -> None:
     assert len(one.soil_map.samples) == len(other.soil_map.samples)
     for a, b in ((one.soil_map.mean, other.soil_map.mean), (one.soil_map.kv, other.soil_map.kv)):
-        assert close(a, b, tolerance)
-
-
-def close(a: NDArray[np.float64], b: NDArray[np.float64], tolerance: float) -> bool:
-    return bool(np.allclose(a, b, rtol=tolerance, atol=0.0))
+        assert np.allclose(a, b, rtol=tolerance, atol=0.0)
 
 
 @settings(deadline=None, max_examples=15)
@@ -142,6 +148,46 @@ def test_a_correction_makes_fit_and_plan_due_at_once_and_counters_never_fall() -
     kinds = [event.kind for event in settled(now)[1]]
     assert kinds[:2] == ["fitted", "planned"]
     assert fits == sum(isinstance(event, Fitted) for event in memory.events)
+
+
+@pytest.mark.parametrize("assignment", ["", "of another stop"])
+def test_an_amended_reading_stays_at_its_stop_whatever_the_correction_says_of_that(
+    assignment: str,
+) -> None:
+    dispatch = begun()
+    stop = dispatch.assign("anna")
+    assert isinstance(stop, Assignment)
+    dispatch.report(report(0, at=stop.at, assignment=stop.id))
+    by = report(0, id="new", at=stop.at, assignment=assignment)
+    dispatch.amend("reading-0", by, "a typo")
+    (kept,) = dispatch.survey.readings
+    assert stop_of(dispatch.survey, kept).id == kept.assignment == stop.id
+
+
+def test_a_push_withdrawn_while_its_stop_is_made_is_made_again() -> None:
+    dispatch = begun()
+    dispatch.record(Planned(step=0, cells=(31, 44), reason="", mean_kv=nan, pushes=(2, 1)))
+    stop = dispatch.assign("anna")
+    assert isinstance(stop, Assignment)
+    dispatch.report(report(0, at=stop.at, assignment=stop.id))
+    dispatch.withdraw("reading-0", "a stone")
+    (lease,) = dispatch.survey.leases
+    assert (lease.pushes, lease.made, dispatch.survey.stops) == (2, 0, ())
+    dispatch.release("anna", stop.id, "lunch")
+    assert (dispatch.survey.plan.cells, dispatch.survey.plan.pushes) == ((31, 44), (2, 1))
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_a_survey_whose_every_reading_was_withdrawn_is_made_again(strategy: str) -> None:
+    dispatch = begun(5, strategy=strategy)
+    work(dispatch)
+    assert dispatch.survey.finished == "5 samples taken"
+    for each in dispatch.survey.readings:
+        dispatch.withdraw(each.id, "the wrong cone")
+    assert (dispatch.survey.taken, dispatch.survey.soil_map.samples) == (0, ())
+    work(dispatch)
+    assert dispatch.survey.finished == "5 samples taken"
+    assert np.isfinite(dispatch.survey.soil_map.mean).all()
 
 
 def test_what_is_not_there_cannot_be_corrected() -> None:

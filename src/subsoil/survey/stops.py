@@ -166,7 +166,8 @@ def refused(survey: Survey, report: Refused) -> Survey:
 def amended(survey: Survey, event: Amended) -> Survey:
     """A reading is another from now on, as if it had been so from the start."""
     stop = _stop_of(survey, event.report)
-    by = event.by.model_copy(update={"id": event.report})
+    (old,) = (each for each in stop.readings if each.id == event.report)
+    by = event.by.model_copy(update={"id": old.id, "assignment": old.assignment})
     readings = tuple(by if each.id == event.report else each for each in stop.readings)
     cell = stop.cell
     if len(readings) == 1 and (cell == NOWHERE or _far(survey, by.at, by.accuracy_m, cell)):
@@ -184,6 +185,8 @@ def withdrawn(survey: Survey, event: Withdrawn) -> Survey:
     else:
         rest = tuple(each for each in survey.stops if each.id != stop.id)
         survey = _reopened(replace(survey, stops=rest), stop.cell)
+    for lease in survey.lease(stop.id):
+        survey = _with_lease(survey, lease, (replace(lease, made=max(0, lease.made - 1)),))
     return _corrected(survey, event.id)
 
 
