@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import threading
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -12,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from subsoil.agent import Assignment, Done, Wait
+from subsoil.errors import ReportError
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import Place, Reading, Refused, Sampled
-from subsoil.strategies import Plan, View
 from subsoil.survey import LocalDispatch, Memory, Settings, Survey, fold, opened, opening
 from subsoil.survey.events import Assigned, Configured, Event, Planned, Released
 from subsoil.survey.recompute import recomputed
@@ -224,91 +223,9 @@ def changed(crew: Crew) -> set[int]:
     return {cell for cells in planned for cell in cells}
 
 
-class Slow:
-    """A strategy that thinks until it is let go."""
-
-    def __init__(self) -> None:
-        self._began, self._may_end = threading.Semaphore(0), threading.Semaphore(0)
-        self.calls = 0
-
-    def begins(self) -> None:
-        """Wait until it thinks."""
-        assert self._began.acquire(timeout=10)
-
-    def ends(self) -> None:
-        """Let it come to an end."""
-        self._may_end.release()
-
-    def __call__(self, view: View) -> Plan:
-        self.calls += 1
-        self._began.release()
-        assert self._may_end.acquire(timeout=10)
-        free = [k for k in range(len(view.field.cells)) if view.free[k] or k in view.plan]
-        return Plan(tuple(free[: view.remaining]), "slowly")
-
-
-slow = Slow()
-
-
-@pytest.fixture
-def thinker(monkeypatch: pytest.MonkeyPatch) -> Slow:
-    fresh = Slow()
-    monkeypatch.setitem(globals(), "slow", fresh)
-    return fresh
-
-
-def test_reports_are_acknowledged_while_a_strategy_thinks_and_its_plan_is_made_anew(
-    thinker: Slow,
-) -> None:
-    dispatch = LocalDispatch(opened(OPENED), Memory(), allowed=frozenset([__name__]))
-    wanted = Settings(start=(0.0, 0.0), strategy=f"{__name__}:slow", samples=9)
-    dispatch.record(Configured(settings=wanted))
-    for name in "ab":
-        dispatch.join(name)
-    answers: list[object] = []
-    asking = threading.Thread(target=lambda: answers.append(dispatch.assign("a")))
-    asking.start()
-    thinker.begins()
-    dispatch.report(beside(0))
-    assert dispatch.survey.taken == 1
-    assert answers == []
-    thinker.ends()
-    thinker.begins()
-    thinker.ends()
-    asking.join(10)
-    (stop,) = answers
-    assert isinstance(stop, Assignment)
-    assert thinker.calls == 2
-    assert stop.cell not in dispatch.survey.visited
-    assert dispatch.survey.planned_at == dispatch.survey.step == 1
-
-
-def test_a_decision_overtaken_twice_is_made_with_the_reports_waiting(thinker: Slow) -> None:
-    dispatch = LocalDispatch(opened(OPENED), Memory(), allowed=frozenset([__name__]))
-    wanted = Settings(start=(0.0, 0.0), strategy=f"{__name__}:slow", samples=40)
-    dispatch.record(Configured(settings=wanted))
-    for name in "ab":
-        dispatch.join(name)
-    answers: list[object] = []
-    asking = threading.Thread(target=lambda: answers.append(dispatch.assign("a")))
-    asking.start()
-    for k in range(2):
-        thinker.begins()
-        dispatch.report(beside(k))
-        thinker.ends()
-    thinker.begins()
-    late = threading.Thread(target=lambda: dispatch.report(beside(2)))
-    late.start()
-    late.join(0.3)
-    assert late.is_alive()
-    thinker.ends()
-    asking.join(10)
-    late.join(10)
-    assert thinker.calls == 3
-    assert dispatch.survey.taken == 3
-    assert isinstance(answers[0], Assignment)
-
-
-def beside(k: int) -> Sampled:
-    at: Place = (2.5 + 5 * k, 2.5)
-    return Sampled(agent="b", at=at, reading=reading(at))
+@pytest.mark.parametrize("ahead", [0, -1])
+def test_less_than_one_stop_is_not_handed_out(ahead: int) -> None:
+    crew = Crew("area-split", 3, "a")
+    with pytest.raises(ReportError, match=f"{ahead} stops cannot be handed out"):
+        crew.dispatch.assign("a", ahead)
+    assert crew.survey.leases == ()

@@ -158,8 +158,14 @@ class LocalDispatch:
         Raises
         ------
         ReportError
-            If the agent never joined, or left.
+            If the agent never joined, or left, or asks for less than one stop.
         """
+        if ahead < 1:
+            raise ReportError(
+                f"{ahead} stops cannot be handed out",
+                where=f"agent {agent}",
+                remedy="ask for one or more",
+            )
         if answer := self._known(agent, ahead):
             return answer
         with self._deciding:
@@ -292,7 +298,8 @@ class LocalDispatch:
     def _decided(
         self, agent: str, ahead: int, events: tuple[Event, ...]
     ) -> Assignment | Wait | Done:
-        """Keep what was decided, and hand out stops."""
+        """Keep what was decided, and hand out stops to an agent that is still there."""
+        self._check(agent)
         for event in events:
             self.record(event)
         while not self.survey.finished and self.survey.plan.cells and not self._has(agent, ahead):
