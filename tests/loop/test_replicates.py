@@ -14,6 +14,7 @@ from subsoil.agent import Assignment, drive
 from subsoil.errors import BatteryError, ParameterError
 from subsoil.field import Field
 from subsoil.journal import create, verify
+from subsoil.kriging.estimate import Estimate
 from subsoil.layers import Layers
 from subsoil.reports import Refused, Sampled
 from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate
@@ -67,6 +68,7 @@ def test_every_push_is_a_report_of_its_own_and_every_stop_counts_once(
     survey, events = survey_plot(_settings(configured))
     asked = [cell for cell, k in zip(CELLS, PUSHES, strict=True) for _ in range(k)]
     assert [_stop_of(push, survey) for push in _pushes(events)] == asked
+    assert [len(stop.readings) for stop in survey.stops] == list(PUSHES)
     assert survey.visited == CELLS
     assert survey.repeats == (5, 5, 44, 90)
     assert survey.finished == "5 samples taken"
@@ -95,6 +97,29 @@ def test_holes_of_a_stop_lie_apart_and_readings_are_kriged_where_they_were_taken
         assert 0.15 < np.hypot(*np.subtract(hole, holes[0])) < 0.7
     assert [sample.at for sample in survey.soil_map.samples] == holes
     assert len(survey.stops) == len(CELLS)
+
+
+def test_pushes_in_one_hole_count_as_their_mean_with_a_share_of_the_nugget(
+    configured: Configure, survey_plot: SurveyPlot
+) -> None:
+    _, events = survey_plot(_settings(configured))
+    place = _pushes(events)[0].at
+    at_stop = {push.id for push in _pushes(events)[: PUSHES[0]]}
+    moved = [
+        event.model_copy(update={"at": place}) if event.id in at_stop else event for event in events
+    ]
+    soil_map = fold(moved).soil_map
+    for stack in soil_map.stacks:
+        assert isinstance(stack.estimate, Estimate)
+        kriging = stack.estimate.kriging
+        readings = kriging.system.readings
+        here = int(np.flatnonzero((readings.at == place).all(axis=1))[0])
+        layers = list(stack.layers)
+        pushes = [s.measured_kpa[layers] for s in soil_map.samples if s.at == place]
+        reached = [kpa for kpa in pushes if np.isfinite(kpa).all()]
+        assert readings.z[:, here] == pytest.approx(np.mean(reached, axis=0))
+        nugget = kriging.system.covariance.noise
+        assert readings.noise[:, here] == pytest.approx(nugget / len(reached))
 
 
 @pytest.mark.parametrize("estimator", ["pmc", "paper-10"])

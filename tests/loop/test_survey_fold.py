@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 
 from subsoil.agent import drive
 from subsoil.errors import BatteryError, CorruptJournalError, ParameterError, RobotError
-from subsoil.reports import Reading, Sampled
+from subsoil.reports import Quantity, Reading, Refused, Sampled
 from subsoil.simulation import Machine, SimulatedRobot, Truth
 from subsoil.strategies import Plan, View
 from subsoil.survey import LocalDispatch, Memory, Survey, apply, decision, fold, opened
 from subsoil.survey.events import (
+    Assigned,
     BatterySwapped,
     Configured,
     Event,
@@ -57,7 +58,8 @@ def test_folding_the_events_gives_the_state_the_survey_ended_in(
     survey, events = survey_plot(configured())
     again = fold(events)
     assert again.finished == "8 samples taken"
-    assert again.visited == survey.visited
+    assert again.stops == survey.stops
+    assert again.agents == survey.agents
     assert again.metres == survey.metres
     assert np.array_equal(again.soil_map.mean, survey.soil_map.mean)
     assert np.array_equal(again.soil_map.variance, survey.soil_map.variance)
@@ -86,6 +88,7 @@ def test_a_survey_cut_off_anywhere_goes_on_to_the_same_end(
         dispatch = LocalDispatch(fold(events[:cut]), Memory())
         work(dispatch, plot_truth)
         assert dispatch.survey.visited == whole.visited
+        assert dispatch.survey.metres == whole.metres
         assert np.array_equal(dispatch.survey.soil_map.mean, whole.soil_map.mean)
 
 
@@ -96,6 +99,25 @@ def test_a_report_that_comes_twice_counts_once(
     report = next(event for event in events if isinstance(event, Sampled))
     survey = fold(events)
     assert apply(survey, report) is survey
+
+
+def test_a_cell_outside_the_field_and_an_agent_that_never_joined_are_errors(
+    configured: Configure, survey_plot: SurveyPlot
+) -> None:
+    survey, _ = survey_plot(configured(samples=2))
+    for cell in (9999, -1):
+        with pytest.raises(CorruptJournalError, match=f"cell {cell}"):
+            apply(survey, Assigned(agent="robot", cell=cell))
+        planned = Planned(step=survey.step, cells=(3, cell), reason="", mean_kv=1.0)
+        with pytest.raises(CorruptJournalError, match=f"cell {cell}"):
+            apply(survey, planned)
+    for event in (
+        Assigned(agent="nobody", cell=3),
+        Refused(agent="nobody", at=(0, 0), reason="stone"),
+        Sampled(agent="nobody", at=(0, 0), reading=Reading(depth_m=(0.1,), kpa=(500.0,))),
+    ):
+        with pytest.raises(CorruptJournalError, match="'nobody' never joined"):
+            apply(survey, event)
 
 
 def test_the_first_event_must_set_the_survey_up(configured: Configure) -> None:
@@ -185,7 +207,11 @@ def test_a_battery_swap_reopens_nothing(configured: Configure, survey_plot: Surv
 def test_events_survive_json_bit_for_bit(
     at: tuple[float, float], depth: list[float], metres: float, kv: float, words: str
 ) -> None:
-    reading = Reading(depth_m=tuple(depth), force_n=tuple(depth), ending="force")
+    moisture = Quantity(name=words, unit="%", depth_m=tuple(depth), values=tuple(depth))
+    reading = Reading(
+        depth_m=tuple(depth), force_n=tuple(depth), ending="force", flags=(words,),
+        further=(moisture,),
+    )  # fmt: skip
     sampled = Sampled(
         agent=words, at=at, reading=reading, metres=metres, seconds=1.5, tries=2,
         time=datetime(2026, 1, 2, 3, 4, 5, 678901, tzinfo=UTC), clock="gnss",
@@ -193,7 +219,7 @@ def test_events_survive_json_bit_for_bit(
     planned = Planned(step=1, cells=(1, 2), reason=words, mean_kv=kv)
     for event in (sampled, planned, Finished(reason=words)):
         again = from_json(to_json(event))
-        assert again.id == event.id
+        assert (again.id, again.time, again.clock) == (event.id, event.time, event.clock)
         assert same(again, event, tolerance=0.0)
 
 

@@ -173,9 +173,9 @@ def _left(survey: Survey, event: Left) -> Survey:
 def _planned(survey: Survey, event: Planned) -> Survey:
     cells = survey.plan.cells if event.kept else event.cells
     pushes = survey.plan.pushes if event.kept else event.pushes
-    if cells and not 0 <= min(cells) <= max(cells) < len(survey.field.cells):
+    if wrong := [cell for cell in cells if not 0 <= cell < len(survey.field.cells)]:
         raise CorruptJournalError(
-            f"a plan names cell {max(cells, key=abs)}, which does not exist",
+            f"a plan names cell {wrong[0]}, which does not exist",
             where=survey.name,
             remedy="go back to a copy of the file",
         )
