@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from subsoil.agent import Assignment
+from subsoil.agent import Assignment, Push
 from subsoil.bench import Entrant, Result, Row, Series, Setting, Task, scored, truth_of
 from subsoil.bench.scoring import Scorer, kv_error_correlation, surveyed
 from subsoil.bench.task import (
@@ -125,6 +125,7 @@ def test_a_reading_is_the_truth_of_the_cell(area_split: Task) -> None:
     stop = Assignment("a", 0, cell, (east, north))
     assert robot.go_to(stop).metres == pytest.approx(np.hypot(east, north))
     push = robot.probe()
+    assert isinstance(push, Push)
     sample = truth.layers.sample(profile_of(push.reading, LARGE_CONE), push.at)
     assert sample.kpa == pytest.approx(truth.reading(cell))
 

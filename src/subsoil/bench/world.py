@@ -8,13 +8,13 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.agent import Arrival, Assignment, Push
+from subsoil.agent import Arrival, Assignment, Push, Refusal, Unreachable
 from subsoil.bench.task import Setting, soil_rng
 from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE
-from subsoil.reports import Place, Reading
+from subsoil.reports import STOPPED, Place, Reading
 from subsoil.routing import length
 from subsoil.simulation import Machine, Protocol, Truth, test_bed
 from subsoil.simulation.fields import TEST_BED
@@ -32,19 +32,24 @@ class TruthReader:
         self.truth, self.position = truth, position
         self.machine = Machine(LARGE_CONE)
         self.pushed = 0
+        self._stopped = False
 
-    def go_to(self, stop: Assignment) -> Arrival:
+    def go_to(self, stop: Assignment) -> Arrival | Unreachable:
         """Drive to a stop the shortest way through the field."""
+        if self._stopped:
+            return Unreachable(STOPPED, self.position)
         self.pushed = stop.made
         metres = length(travel_of(self.truth.field), self.position, [stop.at])
         self.position = stop.at
         return Arrival(stop.at, metres, metres / self.machine.speed_mps)
 
-    def probe(self) -> Push:
+    def probe(self) -> Push | Refusal:
         """Read the cell it stands in: the force at the foot of each layer is that of its mean.
 
         A further push without driving is faster, and has a deviation of its own.
         """
+        if self._stopped:
+            return Refusal(STOPPED, 0.0, 0)
         kpa = self.truth.reading(self.truth.field.nearest_cell(self.position), self.pushed)
         seconds = self.machine.retry_s if self.pushed else self.machine.stop_s
         self.pushed += 1
@@ -53,7 +58,8 @@ class TruthReader:
         return Push(self.position, reading, seconds)
 
     def stop(self) -> None:
-        """Stay."""
+        """Stay: from now on it goes nowhere and probes nothing."""
+        self._stopped = True
 
 
 def truth_of(setting: Setting, field: int) -> Truth:

@@ -88,6 +88,8 @@ class SimulatedRobot:
             then stays where it is.
         """
         at = stop.at
+        if self._stopped:
+            return Unreachable(STOPPED, self.position)
         if not (isfinite(at[0]) and isfinite(at[1])):
             return Unreachable(f"({at[0]:g}, {at[1]:g}) is no place", self.position)
         metres = float(travel_of(self.truth.field).between(self.position, at)[0, 0])
@@ -112,6 +114,8 @@ class SimulatedRobot:
         BatteryError
             If the battery does not last for all tries.
         """
+        if self._stopped:
+            return Refusal(STOPPED, 0.0, 0)
         self._check_battery(self._longest_s(self.pushed), self.stop_number)
         rng = self._stream()
         east, north = self._reported(rng)
