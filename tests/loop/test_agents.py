@@ -229,3 +229,23 @@ def test_less_than_one_stop_is_not_handed_out(ahead: int) -> None:
     with pytest.raises(ReportError, match=f"{ahead} stops cannot be handed out"):
         crew.dispatch.assign("a", ahead)
     assert crew.survey.leases == ()
+
+
+def test_a_stop_whose_assignment_is_recorded_twice_is_handed_out_once() -> None:
+    crew = Crew("area-split", 8, "a")
+    crew.stop("a")
+    (event,) = (each for each in crew.memory.events if isinstance(each, Assigned))
+    crew.dispatch.record(event)
+    assert [lease.id for lease in crew.survey.leases] == [event.id]
+    crew.dispatch.release("a", event.id, "a puddle")
+    crew.dispatch.record(event)
+    assert crew.survey.leases == ()
+    crew.check()
+
+
+def test_no_stop_is_handed_out_before_anyone_decided_how_to_survey() -> None:
+    dispatch = LocalDispatch(opened(OPENED), Memory())
+    dispatch.join("a")
+    with pytest.raises(ReportError, match="nobody decided how to survey"):
+        dispatch.assign("a")
+    assert dispatch.survey.leases == ()

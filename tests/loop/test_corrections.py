@@ -221,6 +221,30 @@ def test_a_reading_taken_far_from_its_stop_counts_where_it_is_and_leaves_the_sto
     assert stop.cell not in dispatch.survey.visited
     assert dispatch.survey.leases == ()
     assert dispatch.survey.soil_map.samples[0].at == there
+    assert dispatch.survey.plan.cells[-1] == stop.cell
+
+
+@pytest.mark.parametrize("strategy", sorted(STRATEGIES))
+def test_a_stop_that_was_missed_by_far_is_planned_again_and_none_is_made_twice(
+    strategy: str,
+) -> None:
+    dispatch = begun(samples=6, strategy=strategy)
+    stop = dispatch.assign("anna")
+    assert isinstance(stop, Assignment)
+    dispatch.report(report(0, at=(57.5, 37.5), assignment=stop.id))
+    assert stop.cell in dispatch.survey.plan.cells
+    work(dispatch)
+    assert dispatch.survey.taken == 6
+    assert len(set(dispatch.survey.visited)) == 6
+
+
+def test_a_stop_missed_by_far_that_was_read_before_is_not_made_again() -> None:
+    dispatch = begun()
+    stop = dispatch.assign("anna")
+    assert isinstance(stop, Assignment)
+    dispatch.report(report(1, agent="bert", at=stop.at))
+    dispatch.report(report(0, at=(57.5, 37.5), assignment=stop.id))
+    assert stop.cell not in dispatch.survey.plan.cells
 
 
 def test_a_reading_a_few_metres_from_its_stop_is_the_stops_but_keeps_its_place() -> None:

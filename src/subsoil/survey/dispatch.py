@@ -158,7 +158,8 @@ class LocalDispatch:
         Raises
         ------
         ReportError
-            If the agent never joined, or left, or asks for less than one stop.
+            If the agent never joined, or left, or asks for less than one stop, or nobody decided
+            how to survey.
         """
         if ahead < 1:
             raise ReportError(
@@ -185,6 +186,12 @@ class LocalDispatch:
         """What an agent is to do, where nothing has to be decided for it."""
         with self._lock:
             self._check(agent)
+            if not self.survey.method:
+                raise ReportError(
+                    "nobody decided how to survey: with which strategy, and how far",
+                    where=self.survey.name,
+                    remedy="record a Configured first, as subsoil run does",
+                )
             self._release_lapsed()
             if self.survey.finished:
                 return Done(self.survey.finished)

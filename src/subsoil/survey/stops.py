@@ -1,7 +1,8 @@
 """What reports and leases do to the stops of a survey: the part of the fold that agents cause.
 
 A reading is a fact: it counts where it was taken, once, whoever's the lease was. It belongs to the
-cell that was assigned unless it lies far from it, and ends the lease when all pushes are made.
+cell that was assigned unless it lies far from it, and ends the lease when all pushes are made. An
+assigned cell that got no reading that way is planned again, last.
 """
 
 from __future__ import annotations
@@ -80,8 +81,10 @@ def agent_of(survey: Survey, name: str) -> Agent:
 
 
 def assigned(survey: Survey, event: Assigned) -> Survey:
-    """A stop is handed out."""
+    """A stop is handed out, once."""
     agent = agent_of(survey, event.agent)
+    if event.id in {each.id for each in (*survey.leases, *survey.former, *survey.stops)}:
+        return survey
     if not 0 <= event.cell < len(survey.field.cells):
         raise CorruptJournalError(
             f"cell {event.cell} is assigned, which does not exist",
@@ -144,7 +147,10 @@ def sampled(survey: Survey, report: Sampled) -> Survey:
         survey = replace(survey, stops=(*survey.stops, stop))
     if leases and leases[0].made + 1 < leases[0].pushes:
         return _covered(_pushed(survey, leases[0]), cell, id_)
-    return _closed(_covered(survey, cell, id_), leases, id_)
+    survey = _closed(_covered(survey, cell, id_), leases, id_)
+    for lease in leases:
+        survey = _reopened(survey, lease.cell)
+    return survey
 
 
 def refused(survey: Survey, report: Refused) -> Survey:
@@ -202,9 +208,9 @@ def _stop_of(survey: Survey, report: str) -> Stop:
 
 
 def _reopened(survey: Survey, cell: int) -> Survey:
-    """Plan with a cell at its end, unless it is on somebody's way or was read all the same."""
-    taken = {*survey.visited, *survey.plan.cells, *(lease.cell for lease in survey.leases)}
-    if cell == NOWHERE or cell in taken:
+    """Plan with a cell at its end, unless it is on somebody's way or needs no visit any more."""
+    leased = (lease.cell for lease in survey.leases)
+    if cell in {NOWHERE, *survey.visited, *survey.refused, *survey.plan.cells, *leased}:
         return survey
     plan = survey.plan
     pushes = (*plan.pushes, 1) if plan.pushes else ()
