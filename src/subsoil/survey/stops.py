@@ -83,7 +83,8 @@ def agent_of(survey: Survey, name: str) -> Agent:
 def assigned(survey: Survey, event: Assigned) -> Survey:
     """A stop is handed out, once."""
     agent = agent_of(survey, event.agent)
-    if event.id in {each.id for each in (*survey.leases, *survey.former, *survey.stops)}:
+    leases = (*survey.leases, *survey.former)
+    if event.id in {lease.id for lease in leases} | {stop.id for stop in survey.stops}:
         return survey
     if not 0 <= event.cell < len(survey.field.cells):
         raise CorruptJournalError(
