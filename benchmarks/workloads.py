@@ -209,7 +209,7 @@ def tour(n: int) -> Result:
     import fast_tsp
     from scipy.spatial.distance import cdist
 
-    from subsoil.tours import short_tour
+    from subsoil.ways.tours import short_tour
 
     nodes = np.random.default_rng(0).uniform(0, 1000, (n + 1, 2))
     open_end = np.full((n + 2, n + 2), 4000)

@@ -15,7 +15,7 @@ FLOORS: dict[str, int] = {
     "errors": 1, "registry": 1, "reports": 1, "agent": 1, "frames": 1, "outline": 1, "field": 1,
     "penetrometer": 1, "layers": 1,
     "variogram": 2, "kriging": 2, "soilmap": 2, "scores": 2, "uncertainty": 2,
-    "travel": 3, "tours": 3, "routing": 3, "stopping": 3, "strategies": 3,
+    "ways": 3, "stopping": 3, "strategies": 3,
     "simulation": 4,
     "survey": 5,
     "journal": 5,
@@ -58,7 +58,7 @@ def test_a_module_imports_only_its_own_floor_and_those_below(path: Path) -> None
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_strategies_never_see_the_truth(path: Path) -> None:
-    if room(path) in {"strategies", "travel", "routing", "tours", "stopping"}:
+    if room(path) in {"strategies", "ways", "stopping"}:
         assert not any("simulation" in name for name in imported(path))
 
 

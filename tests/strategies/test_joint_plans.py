@@ -13,15 +13,15 @@ from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.kriging.designs import Designs
 from subsoil.layers import Layers
-from subsoil.routing import length
 from subsoil.soilmap import SoilMap
 from subsoil.stopping import Pace
 from subsoil.strategies import Plan, View, strategy_named
 from subsoil.strategies.exchange import Exchange
 from subsoil.strategies.joint_plans import designs_for, joint, joint_adaptive
 from subsoil.strategies.terms import Price, Terms
-from subsoil.travel import travel_of
 from subsoil.variogram import Exponential, Nested, Structure
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import length
 
 TEST_BED = Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)])
 POND = Field.from_metres(

@@ -14,11 +14,11 @@ from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.kriging import condition, over
 from subsoil.kriging.designs import Designs
-from subsoil.routing import length
 from subsoil.strategies import View, strategy_named
 from subsoil.strategies.joint_plans import joint, joint_adaptive
 from subsoil.strategies.replicates import push_gains, replicates
 from subsoil.variogram import Exponential, Nested, Structure
+from subsoil.ways.routing import length
 
 Look = Callable[..., View]
 

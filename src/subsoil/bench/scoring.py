@@ -63,7 +63,7 @@ def scored(task: Task) -> Result:
     """Do all surveys of a task on one thread; a pure function of the task.
 
     Pure but for tours of more than 18 stops, which are searched for a time: see
-    :func:`subsoil.routing.tour`. A strategy that does not know its budget surveys once.
+    :func:`subsoil.ways.routing.tour`. A strategy that does not know its budget surveys once.
 
     Raises
     ------

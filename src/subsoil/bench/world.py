@@ -15,10 +15,10 @@ from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE
 from subsoil.reports import STOPPED, Place, Reading
-from subsoil.routing import length
 from subsoil.simulation import Machine, Protocol, Truth, test_bed
 from subsoil.simulation.fields import TEST_BED
-from subsoil.travel import travel_of
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import length
 
 
 class TruthReader:

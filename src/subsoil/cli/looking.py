@@ -39,10 +39,10 @@ from subsoil.report.outlook import (
     too_sure,
 )
 from subsoil.report.progress import progress_of
-from subsoil.routing import length
 from subsoil.survey import Survey, apply, fold, settled
 from subsoil.survey.events import Configured, Event, Opened
-from subsoil.travel import travel_of
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import length
 
 _DEGREES = {"longitude", "latitude"}
 _ROWS = {1, 2, 3, 5, 10, 15, 20, 30, 40}

@@ -9,10 +9,10 @@ from subsoil.journal.gis import STATES, Row, boundary_rows, kpa_columns
 from subsoil.layers import Layers, LayerState
 from subsoil.penetrometer import Profile, profile_of
 from subsoil.reports import Sampled
-from subsoil.routing import way
 from subsoil.survey import Survey
 from subsoil.survey.state import NOWHERE, Stop, mappable
-from subsoil.travel import travel_of
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import way
 
 
 def rows(survey: Survey) -> dict[str, list[Row]]:

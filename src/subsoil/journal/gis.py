@@ -17,11 +17,11 @@ from subsoil.field import Field
 from subsoil.journal.geopackage import add_layer, insert
 from subsoil.layers import Layers, LayerState
 from subsoil.reports import Refused, Sampled
-from subsoil.routing import way
 from subsoil.survey import Survey, sample_of
 from subsoil.survey.events import Amended, Event, Opened, Withdrawn
 from subsoil.survey.state import Stop, mappable, stop_of
-from subsoil.travel import travel_of
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import way
 
 STATES = {
     LayerState.MEASURED: "measured",

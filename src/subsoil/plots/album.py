@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil import routing
 from subsoil.field import Field
 from subsoil.io.whole import whole
 from subsoil.plots.depth import profiles
@@ -18,8 +17,9 @@ from subsoil.plots.maps import depth_slices, std_dev
 from subsoil.plots.semivariance import variograms
 from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
-from subsoil.travel import travel_of
 from subsoil.variogram import Fit
+from subsoil.ways import routing
+from subsoil.ways.open_land import travel_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.routing import length, reroute
 from subsoil.stopping import FEWEST, SureRmse, TargetRmse, forecast, further
 from subsoil.survey import Survey
-from subsoil.travel import travel_of
 from subsoil.uncertainty import MeanSquare, mean_square_error, predicted_rmse
 from subsoil.variogram import ESTIMATORS, LeastSquares
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import length, reroute
 
 Floats = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from subsoil.penetrometer import Insertion, reading_of
 from subsoil.reports import STOPPED, Place
 from subsoil.simulation.probe import Machine, push
 from subsoil.simulation.truth import Truth
-from subsoil.travel import travel_of
+from subsoil.ways.open_land import travel_of
 
 ROBOT = 1
 """Key of the robot's random streams under a survey's seed."""
@@ -28,7 +28,7 @@ class SimulatedRobot:
     the robot is in its arguments: a robot made with another's ``position`` and ``battery_s`` goes
     on exactly as that one would.
 
-    It drives the shortest way (:class:`subsoil.travel.Travel`) and arrives exactly where it was
+    It drives the shortest way (:class:`subsoil.ways.open_land.Travel`) and arrives exactly where it was
     sent; what it reports is off by the error of its receiver, the same for arrival and holes of a
     stop. A push reads the cell nearest to its hole. A push that the force limit ends is tried
     again beside the first hole; the deepest counts. Probing again before driving elsewhere is a

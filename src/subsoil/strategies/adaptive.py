@@ -6,10 +6,10 @@ from dataclasses import replace
 from typing import Literal
 
 from subsoil.errors import ParameterError
-from subsoil.routing import reroute
 from subsoil.strategies.coverage import area_split, random
 from subsoil.strategies.next_best_view import TIE, draw, highest
 from subsoil.strategies.view import Plan, Strategy, View
+from subsoil.ways.routing import reroute
 
 Initial = Literal["area-split", "random"]
 

@@ -12,8 +12,8 @@ from shapely.geometry import LineString
 
 from subsoil.errors import ParameterError
 from subsoil.field import Field
-from subsoil.routing import reroute, tour
 from subsoil.strategies.view import Plan, View
+from subsoil.ways.routing import reroute, tour
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

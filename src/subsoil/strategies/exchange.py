@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.kriging.designs import Designs
-from subsoil.routing import shorten
 from subsoil.strategies.terms import Price, Terms
-from subsoil.travel import Travel
+from subsoil.ways.open_land import Travel
+from subsoil.ways.routing import shorten
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

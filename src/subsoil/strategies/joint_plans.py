@@ -19,7 +19,6 @@ from threadpoolctl import threadpool_limits
 
 from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
-from subsoil.routing import length, reroute
 from subsoil.strategies.coverage import areas, carry_on, nearest_free
 from subsoil.strategies.exchange import Exchange
 from subsoil.strategies.replicates import replicated
@@ -27,6 +26,7 @@ from subsoil.strategies.terms import Price, Terms
 from subsoil.strategies.view import Plan, View
 from subsoil.variogram.nested import Nested
 from subsoil.variogram.pooled import Pooled
+from subsoil.ways.routing import length, reroute
 
 _ELASTICITY = 0.14
 """Percent of the mean variance that a percent of the way is worth, where its length is given: about

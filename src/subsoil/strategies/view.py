@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from subsoil.field import Field
 from subsoil.soilmap import SoilMap
 from subsoil.stopping import Pace
-from subsoil.travel import Travel, travel_of
+from subsoil.ways.open_land import Travel, travel_of
 
 _PACE = Pace()
 

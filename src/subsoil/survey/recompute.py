@@ -9,7 +9,6 @@ import numpy as np
 
 from subsoil.errors import NotAllowedError, SubsoilError
 from subsoil.registry import NOBODY
-from subsoil.routing import length
 from subsoil.strategies import designs_for
 from subsoil.survey.decide import decision, view
 from subsoil.survey.events import (
@@ -24,7 +23,8 @@ from subsoil.survey.events import (
 )
 from subsoil.survey.fold import apply, opened
 from subsoil.survey.state import Survey
-from subsoil.travel import travel_of
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import length
 
 _EQUAL = 1e-6
 """Relative difference up to which two plans are as good as each other."""

@@ -14,14 +14,12 @@ from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Cone, faults, profile_of
 from subsoil.registry import NOBODY
 from subsoil.reports import Kind, Place, Refused, Sampled
-from subsoil.routing import length
 from subsoil.soilmap import SoilMap
 from subsoil.stopping import Spent, Standing
 from subsoil.strategies.view import Plan
 from subsoil.survey.events import Simulation
 from subsoil.survey.records import FitRecord
 from subsoil.survey.settings import Settings
-from subsoil.travel import travel_of
 from subsoil.variogram import (
     ESTIMATORS,
     Estimator,
@@ -30,6 +28,8 @@ from subsoil.variogram import (
     empirical_layers,
     estimator_named,
 )
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import length
 
 NEVER = -1
 """Step of a plan where there is none."""

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from subsoil.field import Field
-from subsoil.routing import length, reroute, shorten, tour, way
-from subsoil.tours import PER_METRE
-from subsoil.travel import travel_of
+from subsoil.ways.open_land import travel_of
+from subsoil.ways.routing import length, reroute, shorten, tour, way
+from subsoil.ways.tours import PER_METRE
 
 Floats = NDArray[np.float64]
 

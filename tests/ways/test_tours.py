@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from subsoil.tours import PER_METRE, short_tour
+from subsoil.ways.tours import PER_METRE, short_tour
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ and of 5 s. Of 50 and 200 stops these are, but for one by 0.01 %, what LKH finds
 SECOND_PROCESS = """
 import numpy as np
 from scipy.spatial.distance import cdist
-from subsoil.tours import short_tour
+from subsoil.ways.tours import short_tour
 nodes = np.random.default_rng(3).uniform(0, 300, (60, 2))
 print(*short_tour(cdist(nodes, nodes)))
 """

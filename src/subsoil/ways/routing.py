@@ -1,7 +1,7 @@
 """Short open routes through places: from where the agent is, ending anywhere.
 
-Lengths are those of the ways that a :class:`subsoil.travel.Travel` finds through the field.
-A new set of stops is ordered by :mod:`subsoil.tours`; a route that changes while it is driven keeps
+Lengths are those of the ways that a :class:`subsoil.ways.open_land.Travel` finds through the field.
+A new set of stops is ordered by :mod:`subsoil.ways.tours`; a route that changes while it is driven keeps
 its order as far as it can: stops are put in where they cost least, then 2-opt and or-opt moves
 shorten it (Croes 1958, Oper. Res. 6, 791; Or 1976). The second way does not make the agent dither.
 """
@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from subsoil.tours import quantised, short_tour
-from subsoil.travel import Travel
+from subsoil.ways.open_land import Travel
+from subsoil.ways.tours import quantised, short_tour
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -40,12 +40,12 @@ def tour(travel: Travel, start: ArrayLike, places: ArrayLike) -> tuple[int, ...]
     """Order of (k, 2) places that makes the way from a start through all of them short.
 
     The same at every call, on every machine and however busy it is: see
-    :func:`subsoil.tours.short_tour` for how short.
+    :func:`subsoil.ways.tours.short_tour` for how short.
 
     Examples
     --------
     >>> from subsoil.field import Field
-    >>> from subsoil.travel import travel_of
+    >>> from subsoil.ways.open_land import travel_of
     >>> travel = travel_of(Field.from_metres([(0, 0), (50, 0), (50, 20), (0, 20)]))
     >>> tour(travel, (0, 0), [(30, 0), (10, 0), (20, 0)])
     (1, 2, 0)

@@ -28,8 +28,8 @@ from subsoil.simulation import Machine, SimulatedRobot, simulate
 from subsoil.soilmap import SoilMap
 from subsoil.survey import apply, opened, opening, view
 from subsoil.survey.events import Configured, Planned
-from subsoil.travel import Travel, travel_of
 from subsoil.variogram import Spherical
+from subsoil.ways.open_land import Travel, travel_of
 
 Floats = NDArray[np.float64]
 Place = tuple[float, float]
