@@ -23,6 +23,7 @@ from subsoil.errors import ParameterError, SubsoilError
 from subsoil.penetrometer import LARGE_CONE, profile_of
 from subsoil.scores import rmse
 from subsoil.simulation import test_bed
+from subsoil.ways.open_land import OpenLand
 
 
 def test_whatever_differs_between_two_tasks_their_names_differ(area_split: Task) -> None:
@@ -119,7 +120,7 @@ def test_minutes_are_metres_at_1_metre_a_second_and_50_seconds_a_sample(area_spl
 
 def test_a_reading_is_the_truth_of_the_cell(area_split: Task) -> None:
     truth = truth_of(area_split.setting, 0)
-    robot = TruthReader(truth, (0.0, 0.0))
+    robot = TruthReader(truth, OpenLand(truth.field), (0.0, 0.0))
     cell = 50
     east, north = truth.field.cells[cell].tolist()
     stop = Assignment("a", 0, cell, (east, north))

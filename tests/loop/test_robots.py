@@ -21,6 +21,7 @@ from subsoil.field import Field
 from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, faults
 from subsoil.reports import STOPPED
 from subsoil.simulation import Machine, SimulatedRobot, simulate
+from subsoil.ways.open_land import OpenLand
 
 FIELD = Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)])
 TRUTH = simulate(FIELD, np.random.default_rng(1))
@@ -42,7 +43,7 @@ def simulated_in_time() -> Robot:
 
 
 def reader() -> Robot:
-    return TruthReader(TRUTH, (0.0, 0.0))
+    return TruthReader(TRUTH, OpenLand(FIELD), (0.0, 0.0))
 
 
 ROBOTS = [simulated, simulated_with_stones, simulated_in_time, reader]

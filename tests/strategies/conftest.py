@@ -12,6 +12,7 @@ from subsoil.layers import Layers, Sample
 from subsoil.soilmap import SoilMap
 from subsoil.strategies import View
 from subsoil.variogram import Spherical, Variogram
+from subsoil.ways.open_land import OpenLand
 
 Look = Callable[..., View]
 
@@ -52,6 +53,7 @@ def look() -> Look:
         samples = tuple(Sample(at[cell], kpa[cell], state) for cell in visited)
         return View(
             field=field,
+            access=OpenLand(field),
             soil_map=SoilMap(field.cells, layers, variograms, samples),
             position=at[visited[-1]] if visited else (0.0, 0.0),
             plan=plan,

@@ -20,7 +20,7 @@ from subsoil.strategies.exchange import Exchange
 from subsoil.strategies.joint_plans import designs_for, joint, joint_adaptive
 from subsoil.strategies.terms import Price, Terms
 from subsoil.variogram import Exponential, Nested, Structure
-from subsoil.ways.open_land import travel_of
+from subsoil.ways.open_land import OpenLand
 from subsoil.ways.routing import length
 
 TEST_BED = Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)])
@@ -34,19 +34,30 @@ SGP_TOOLS = {15: (0.5884, 487.0), 20: (0.5382, 572.0), 30: (0.4700, 681.0), 50: 
 
 def view(field: Field, budget: int, seed: int = 1) -> View:
     empty = SoilMap(field.cells, Layers())
-    return View(field, empty, (0.0, 0.0), (), (), (), budget, True, np.random.default_rng(seed))
+    return View(
+        field,
+        OpenLand(field),
+        empty,
+        (0.0, 0.0),
+        (),
+        (),
+        (),
+        budget,
+        True,
+        np.random.default_rng(seed),
+    )
 
 
 def search(field: Field, cells: list[int], price: Price, fixed: tuple[int, ...] = ()) -> Exchange:
     designs = Designs(field, SHAPE, np.ones(len(field.cells)))
     free = np.ones(len(field.cells), dtype=bool)
     start = (0.0, 0.0)
-    return Exchange(designs, travel_of(field), field.cells, start, fixed, cells, free, price)
+    return Exchange(designs, OpenLand(field), start, fixed, cells, free, price)
 
 
 def agrees(found: Exchange, field: Field, fixed: tuple[int, ...] = ()) -> None:
     designs = Designs(field, SHAPE, np.ones(len(field.cells)))
-    way = length(travel_of(field), (0.0, 0.0), field.cells[list(found.route)])
+    way = length(OpenLand(field), (0.0, 0.0), field.cells[list(found.route)])
     assert len(set(found.route)) == len(found.route)
     assert not set(found.route) & set(fixed)
     assert found.metres == pytest.approx(way)
@@ -86,7 +97,7 @@ def test_no_single_exchange_improves_what_descended() -> None:
     found = search(POND, cells, Price(per_m=1e-4))
     found.descend(50, Terms(), rng)
     designs = Designs(POND, SHAPE, np.ones(len(POND.cells)))
-    travel = travel_of(POND)
+    travel = OpenLand(POND)
 
     def cost(route: list[int]) -> float:
         way = length(travel, (0.0, 0.0), POND.cells[route])
@@ -122,12 +133,12 @@ def test_plans_beat_those_of_the_best_public_planner_on_its_way(n: int) -> None:
     start = view(TEST_BED, n)
     plan = joint(replace(start, metres_left=metres))
     assert len(plan.cells) == n
-    assert length(start.travel, start.position, TEST_BED.cells[list(plan.cells)]) <= metres
+    assert length(start.access, start.position, TEST_BED.cells[list(plan.cells)]) <= metres
     assert designs_for(start).mean_variance(plan.cells) <= variance
 
 
 def minutes(plan: Plan, start: View) -> float:
-    way = length(start.travel, start.position, start.field.cells[list(plan.cells)])
+    way = length(start.access, start.position, start.field.cells[list(plan.cells)])
     return start.pace.minutes(way, len(plan.cells))
 
 
@@ -158,7 +169,7 @@ def test_a_smaller_share_or_a_higher_price_gives_a_shorter_way_and_a_higher_vari
     for value in values:
         start = view(TEST_BED, 12)
         plan = strategy_named("joint", {setting: value})(start)
-        ways.append(length(start.travel, start.position, TEST_BED.cells[list(plan.cells)]))
+        ways.append(length(start.access, start.position, TEST_BED.cells[list(plan.cells)]))
         variances.append(designs.mean_variance(plan.cells))
     assert ways == sorted(ways, reverse=True)
     assert variances == sorted(variances)
@@ -174,8 +185,8 @@ def test_after_a_sample_the_way_does_not_get_longer_and_the_variance_not_higher(
     plan = joint_adaptive(seen)
     designs = designs_for(seen)
     assert len(plan.cells) == 12
-    assert length(seen.travel, here, TEST_BED.cells[list(plan.cells)]) <= length(
-        seen.travel, here, TEST_BED.cells[list(cells[8:])]
+    assert length(seen.access, here, TEST_BED.cells[list(plan.cells)]) <= length(
+        seen.access, here, TEST_BED.cells[list(cells[8:])]
     )
     assert designs.mean_variance([*cells[:8], *plan.cells]) < designs.mean_variance(cells)
 

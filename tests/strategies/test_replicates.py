@@ -86,7 +86,7 @@ def test_a_plan_trades_stops_for_pushes_where_noise_dominates(look: Look, nugget
     again = [c for c, k in zip(pushed.cells, pushed.pushes, strict=True) for _ in range(k)]
     before = designs.mean_variance([*visited, *plain.cells])
     assert designs.mean_variance([*visited, *again]) < 0.995 * before
-    metres = length(view.travel, view.position, FIELD.cells[list(pushed.cells)])
+    metres = length(view.access, view.position, FIELD.cells[list(pushed.cells)])
     further = sum(pushed.pushes) - len(pushed.cells)
     assert view.pace.minutes(metres, len(pushed.cells), further) <= minutes
 

@@ -29,7 +29,7 @@ from subsoil.soilmap import SoilMap
 from subsoil.survey import apply, opened, opening, view
 from subsoil.survey.events import Configured, Planned
 from subsoil.variogram import Spherical
-from subsoil.ways.open_land import Travel, travel_of
+from subsoil.ways.open_land import OpenLand
 
 Floats = NDArray[np.float64]
 Place = tuple[float, float]
@@ -109,7 +109,7 @@ def allowed(field: Field, at: list[Place]) -> Floats:
 
 
 def test_ways_in_an_l_turn_at_its_inner_corner() -> None:
-    travel = travel_of(L_SHAPE)
+    travel = OpenLand(L_SHAPE)
     assert travel.corners.tolist() == [[40, 40]]
     found = travel.between([(20, 90), (10, 10)], [(90, 20), (40, 100), (80, 40)])
     over = np.hypot(20, 50)
@@ -122,7 +122,7 @@ def test_ways_in_an_l_turn_at_its_inner_corner() -> None:
 
 
 def test_ways_go_around_a_shed_on_its_shorter_side() -> None:
-    travel = travel_of(SHED)
+    travel = OpenLand(SHED)
     ((found,),) = travel.between([(20, 25)], [(80, 25)]).tolist()
     assert found == pytest.approx(2 * np.hypot(20, 5) + 20)
     assert travel.way((20, 25), (80, 25)).tolist() == [[20, 25], [40, 20], [60, 20], [80, 25]]
@@ -131,7 +131,7 @@ def test_ways_go_around_a_shed_on_its_shorter_side() -> None:
 
 
 def test_a_way_from_a_place_that_is_not_allowed_first_leaves_it_straight() -> None:
-    travel = travel_of(SHED)
+    travel = OpenLand(SHED)
     within, beyond, target = (58.0, 30.0), (110.0, 30.0), (20.0, 30.0)
     assert travel.between([(60, 30)], [target])[0, 0] == pytest.approx(10 + 20 + np.hypot(20, 10))
     assert travel.between([within], [target])[0, 0] == pytest.approx(2 + 10 + 20 + np.hypot(20, 10))
@@ -143,26 +143,26 @@ def test_a_way_from_a_place_that_is_not_allowed_first_leaves_it_straight() -> No
 
 
 def test_between_parts_of_a_field_the_way_is_the_straight_line() -> None:
-    travel = travel_of(SPLIT)
+    travel = OpenLand(SPLIT)
     assert travel.between([(20, 30)], [(80, 40)])[0, 0] == pytest.approx(np.hypot(60, 10))
     assert travel.way((20, 30), (80, 40)).tolist() == [[20, 30], [80, 40]]
     apart = Field(shapely.MultiPolygon([shapely.box(0, 0, 40, 40), shapely.box(60, 0, 100, 40)]))
-    assert travel_of(apart).between([(10, 10)], [(90, 20)])[0, 0] == np.hypot(80, 10)
+    assert OpenLand(apart).between([(10, 10)], [(90, 20)])[0, 0] == np.hypot(80, 10)
 
 
 def test_a_hole_in_the_outline_is_gone_around_like_a_keep_out() -> None:
     hole = shapely.Polygon(MEADOW, [[(40, 20), (60, 20), (60, 40), (40, 40)]])
     at = SHED.cells[::7]
-    holed = travel_of(Field(hole)).between(at, at)
-    assert holed == pytest.approx(travel_of(SHED).between(at, at), rel=1e-12)
+    holed = OpenLand(Field(hole)).between(at, at)
+    assert holed == pytest.approx(OpenLand(SHED).between(at, at), rel=1e-12)
 
 
 def test_in_a_convex_field_every_way_is_exactly_the_straight_line() -> None:
     convex = Field.from_metres([(4, 10), (60, 2), (126, 6), (178, 22), (186, 74), (2, 66)])
     rng = np.random.default_rng(1)
     a, b = rng.uniform(-50, 250, (40, 2)), convex.cells
-    assert np.array_equal(travel_of(convex).between(a, b), cdist(a, b))
-    assert travel_of(convex).way(a[0], a[1]).tolist() == a[:2].tolist()
+    assert np.array_equal(OpenLand(convex).between(a, b), cdist(a, b))
+    assert OpenLand(convex).way(a[0], a[1]).tolist() == a[:2].tolist()
 
 
 def test_far_from_the_origin_ways_are_the_same() -> None:
@@ -171,12 +171,12 @@ def test_far_from_the_origin_ways_are_the_same() -> None:
         np.array(MEADOW) + shift, keep_outs=[shapely.get_coordinates(SHED.keep_outs[0]) + shift]
     )
     at = SHED.cells[::5]
-    there = travel_of(moved).between(at + shift, at + shift)
-    assert there == pytest.approx(travel_of(SHED).between(at, at), abs=1e-6)
+    there = OpenLand(moved).between(at + shift, at + shift)
+    assert there == pytest.approx(OpenLand(SHED).between(at, at), abs=1e-6)
 
 
 def test_ways_of_all_cells_are_those_of_some_and_finite() -> None:
-    travel, cells = travel_of(TWO_PONDS), TWO_PONDS.cells
+    travel, cells = OpenLand(TWO_PONDS), TWO_PONDS.cells
     everything = travel.between(cells, cells)
     some = np.random.default_rng(3).choice(len(cells), 30, replace=False)
     assert np.array_equal(travel.between(cells[some], cells), everything[some])
@@ -184,9 +184,11 @@ def test_ways_of_all_cells_are_those_of_some_and_finite() -> None:
     assert (everything > cdist(cells, cells) + 1.0).mean() > 0.05
 
 
-def test_a_field_has_one_travel() -> None:
-    assert travel_of(SHED) is travel_of(replace(SHED))
-    assert not travel_of(SHED).corners.flags.writeable
+def test_what_is_found_once_is_kept_with_the_value() -> None:
+    land = OpenLand(SHED)
+    assert land == OpenLand(replace(SHED))
+    assert land.walls is land.walls
+    assert not land.corners.flags.writeable
 
 
 @given(field=fields(), at=st.lists(inside, min_size=2, max_size=4))
@@ -195,14 +197,14 @@ def test_a_way_is_as_long_as_an_independent_search_finds(field: Field, at: list[
     places = allowed(field, at)
     assume(len(places) >= 2 and len(shapely.get_parts(free_of(field))) == 1)
     (a, b) = ((east, north) for east, north in places[:2].tolist())
-    assert travel_of(field).between(a, b)[0, 0] == pytest.approx(peer(field, a, b), abs=1e-4)
+    assert OpenLand(field).between(a, b)[0, 0] == pytest.approx(peer(field, a, b), abs=1e-4)
 
 
 @given(field=fields(), at=st.lists(inside, min_size=3, max_size=8))
 @settings(max_examples=150, deadline=None)
 def test_ways_are_distances_and_never_shorter_than_straight(field: Field, at: list[Place]) -> None:
     places = np.array(at)
-    length = travel_of(field).between(places, places)
+    length = OpenLand(field).between(places, places)
     assert length == pytest.approx(length.T, abs=1e-5)
     assert (length >= cdist(places, places)).all()
     assert not length.diagonal().any()
@@ -216,7 +218,7 @@ def test_ways_are_distances_and_never_shorter_than_straight(field: Field, at: li
 def test_a_way_is_as_long_as_between_says_and_stays_on_allowed_land(
     field: Field, a: Place, b: Place
 ) -> None:
-    travel: Travel = travel_of(field)
+    travel: OpenLand = OpenLand(field)
     way = travel.way(a, b)
     assert way[[0, -1]].tolist() == [list(a), list(b)]
     assert metres(way) == pytest.approx(travel.between(a, b)[0, 0], abs=1e-5)
@@ -271,4 +273,4 @@ def test_the_way_in_a_figure_goes_around_a_keep_out() -> None:
 
 def test_a_view_knows_the_ways_through_its_field(configured: Callable[[], Configured]) -> None:
     state = apply(opened(opening(SHED, Layers((0.0, 0.4)), SMALL_CONE)), configured())
-    assert view(state).travel is travel_of(state.field)
+    assert view(state).access is state.access

@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from subsoil.field import Field
-from subsoil.ways.open_land import travel_of
-from subsoil.ways.routing import length, reroute, shorten, tour, way
-from subsoil.ways.tours import PER_METRE
+from subsoil.ways.moves import PER_METRE, shorten
+from subsoil.ways.open_land import OpenLand
+from subsoil.ways.routing import length, reroute, tour, way
 
 Floats = NDArray[np.float64]
 
-OPEN = travel_of(Field.from_metres([(0, 0), (310, 0), (310, 200), (0, 200)]))
+OPEN = OpenLand(Field.from_metres([(0, 0), (310, 0), (310, 200), (0, 200)]))
 HEDGE = [(49, 0), (51, 0), (51, 90), (49, 90)]
-HEDGED = travel_of(Field.from_metres([(0, 0), (100, 0), (100, 100), (0, 100)], keep_outs=[HEDGE]))
+HEDGED = OpenLand(Field.from_metres([(0, 0), (100, 0), (100, 100), (0, 100)], keep_outs=[HEDGE]))
 """Two meadows of 49 x 100 m, joined by a gap of 10 m in the north."""
 
 metres = st.integers(0, 30).map(lambda k: 5.0 * k) | st.floats(0, 200, allow_subnormal=False)

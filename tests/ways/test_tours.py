@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from subsoil.ways.tours import PER_METRE, short_tour
+from subsoil.ways.moves import PER_METRE
+from subsoil.ways.tours import short_tour
 
 Floats = NDArray[np.float64]
 

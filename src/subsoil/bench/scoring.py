@@ -111,7 +111,8 @@ def surveyed(
     dispatch.record(Configured(settings=settings))
     simulation = Simulation(world=task.setting.protocol, seed=seed)
     dispatch.join("reader", "simulator", simulation=simulation)
-    drive("reader", TruthReader(truth, start), dispatch, source=Source(kind="simulator"))
+    robot = TruthReader(truth, dispatch.survey.access, start)
+    drive("reader", robot, dispatch, source=Source(kind="simulator"))
     return dispatch.survey
 
 

@@ -17,7 +17,7 @@ from subsoil.penetrometer import LARGE_CONE
 from subsoil.reports import STOPPED, Place, Reading
 from subsoil.simulation import Machine, Protocol, Truth, test_bed
 from subsoil.simulation.fields import TEST_BED
-from subsoil.ways.open_land import travel_of
+from subsoil.ways.access import Access
 from subsoil.ways.routing import length
 
 
@@ -28,8 +28,8 @@ class TruthReader:
     stop, and no refusals.
     """
 
-    def __init__(self, truth: Truth, position: Place) -> None:
-        self.truth, self.position = truth, position
+    def __init__(self, truth: Truth, access: Access, position: Place) -> None:
+        self.truth, self.access, self.position = truth, access, position
         self.machine = Machine(LARGE_CONE)
         self.pushed = 0
         self._stopped = False
@@ -39,7 +39,7 @@ class TruthReader:
         if self._stopped:
             return Unreachable(STOPPED, self.position)
         self.pushed = stop.made
-        metres = length(travel_of(self.truth.field), self.position, [stop.at])
+        metres = length(self.access, self.position, [stop.at])
         self.position = stop.at
         return Arrival(stop.at, metres, metres / self.machine.speed_mps)
 

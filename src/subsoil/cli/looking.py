@@ -41,7 +41,6 @@ from subsoil.report.outlook import (
 from subsoil.report.progress import progress_of
 from subsoil.survey import Survey, apply, fold, settled
 from subsoil.survey.events import Configured, Event, Opened
-from subsoil.ways.open_land import travel_of
 from subsoil.ways.routing import length
 
 _DEGREES = {"longitude", "latitude"}
@@ -70,7 +69,7 @@ def plan(
         state = apply(state, Configured(settings=settings))
     state, _ = settled(state, allowed)
     stops = _next(state)
-    way = length(travel_of(state.field), state.position, state.field.cells[list(stops)])
+    way = length(state.access, state.position, state.access.at[list(stops)])
     result: dict[str, object] = {
         "survey": survey,
         "strategy": state.settings.strategy,

@@ -103,13 +103,14 @@ def robot_of(
     machine = Machine(survey.cone)
     agent = survey.agent(name)
     made = [stop.cell for stop in survey.stops if stop.agent == name]
-    position = survey.field.cells[made[-1]].tolist() if made else agent.position
+    position = survey.access.at[made[-1]].tolist() if made else agent.position
     return SimulatedRobot(
         truth,
         machine,
         seed=survey.simulation[0].seed,
         position=position,
         battery_s=machine.battery_s - (agent.seconds - agent.charged_at),
+        access=survey.access,
         faster=faster,
     )
 

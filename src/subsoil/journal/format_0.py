@@ -11,7 +11,6 @@ from subsoil.penetrometer import Profile, profile_of
 from subsoil.reports import Sampled
 from subsoil.survey import Survey
 from subsoil.survey.state import NOWHERE, Stop, mappable
-from subsoil.ways.open_land import travel_of
 from subsoil.ways.routing import way
 
 
@@ -35,7 +34,7 @@ def rows(survey: Survey) -> dict[str, list[Row]]:
             if stop.refusal is not None
         ],
         "targets": [
-            Row(Point(survey.field.cells[cell]), {"cell": cell, "rank": rank})
+            Row(Point(survey.access.at[cell]), {"cell": cell, "rank": rank})
             for rank, cell in enumerate(_planned(survey), start=1)
         ],
         "route": _route(survey),
@@ -70,8 +69,8 @@ def _route(survey: Survey) -> list[Row]:
     if not cells:
         return []
     made = [stop.cell for stop in survey.stops if stop.cell != NOWHERE]
-    start = survey.field.cells[made[-1]] if made else survey.settings.start
-    places = way(travel_of(survey.field), start, survey.field.cells[list(cells)])
+    start = survey.access.at[made[-1]] if made else survey.settings.start
+    places = way(survey.access, start, survey.access.at[list(cells)])
     line = LineString(places)
     return [Row(line, {"metres": line.length})]
 

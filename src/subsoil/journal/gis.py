@@ -20,7 +20,7 @@ from subsoil.reports import Refused, Sampled
 from subsoil.survey import Survey, sample_of
 from subsoil.survey.events import Amended, Event, Opened, Withdrawn
 from subsoil.survey.state import Stop, mappable, stop_of
-from subsoil.ways.open_land import travel_of
+from subsoil.ways.access import Access
 from subsoil.ways.routing import way
 
 STATES = {
@@ -80,10 +80,10 @@ class Ahead(NamedTuple):
     cells: tuple[int, ...] = ()
     start: tuple[float, float] = (0.0, 0.0)
 
-    def targets(self, field: Field, last: int | None = None) -> set[Target]:
+    def targets(self, access: Access, last: int | None = None) -> set[Target]:
         """Stops on somebody's way, and the planned ones up to a number, or all."""
         cells = self.cells if last is None else self.cells[: max(last + 1 - self.first, 0)]
-        centres = [(east, north) for east, north in field.cells[list(cells)].tolist()]
+        centres = [(east, north) for east, north in access.at[list(cells)].tolist()]
         ahead = zip(cells, [self.start, *centres], strict=False)
         planned = (Target(n, cell, "", at) for n, (cell, at) in enumerate(ahead, self.first))
         return {*self.on_way, *planned}
@@ -201,7 +201,7 @@ def draw_targets(database: sqlite3.Connection, srs: int, survey: Survey, drawn: 
     ahead = ahead_of(survey)
     carried_on = drawn.cells[max(ahead.first - drawn.first, 0) :] == ahead.cells
     last = ahead.first if carried_on and ahead.first >= drawn.first else None
-    before, after = drawn.targets(survey.field, last), ahead.targets(survey.field, last)
+    before, after = drawn.targets(survey.access, last), ahead.targets(survey.access, last)
     for target in sorted(before - after):
         database.execute("DELETE FROM targets WHERE stop = ?", (target.stop,))
         database.execute("DELETE FROM route WHERE stop = ?", (target.stop,))
@@ -219,7 +219,7 @@ def ahead_of(survey: Survey) -> Ahead:
         here = agent.position
         for lease in agent.leases:
             on_way.append(Target(lease.number + 1, lease.cell, agent.name, here))
-            east, north = survey.field.cells[lease.cell].tolist()
+            east, north = survey.access.at[lease.cell].tolist()
             here = (east, north)
             if lease.number > last:
                 start, last = here, lease.number
@@ -228,11 +228,11 @@ def ahead_of(survey: Survey) -> Ahead:
 
 def target_rows(survey: Survey, target: Target) -> dict[str, Row]:
     """What targets and route show of a stop still to make."""
-    at = survey.field.cells[target.cell]
+    at = survey.access.at[target.cell]
     rows = {
         "targets": Row(Point(at), {"cell": target.cell, "stop": target.stop, "agent": target.agent})
     }
-    leg = LineString(way(travel_of(survey.field), target.start, at[None]))
+    leg = LineString(way(survey.access, target.start, at[None]))
     return {**rows, "route": Row(leg, {"stop": target.stop, "metres": leg.length})}
 
 

@@ -171,7 +171,7 @@ def _rows(survey: Survey) -> dict[str, list[gis.Row]]:
         "targets": [],
         "route": [],
     }
-    for target in gis.ahead_of(survey).targets(survey.field):
+    for target in gis.ahead_of(survey).targets(survey.access):
         for table, row in gis.target_rows(survey, target).items():
             rows[table].append(row)
     return rows

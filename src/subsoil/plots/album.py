@@ -19,7 +19,6 @@ from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
 from subsoil.variogram import Fit
 from subsoil.ways import routing
-from subsoil.ways.open_land import travel_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -129,7 +128,7 @@ def way(survey: Survey) -> NDArray[np.float64]:
     places = np.array([*start, *survey.soil_map.at.tolist()]).reshape(-1, 2)
     if not len(places):
         return places
-    return routing.way(travel_of(survey.field), places[0], places[1:])
+    return routing.way(survey.access, places[0], places[1:])
 
 
 def _save(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:

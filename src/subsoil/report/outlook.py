@@ -12,7 +12,6 @@ from subsoil.stopping import FEWEST, SureRmse, TargetRmse, forecast, further
 from subsoil.survey import Survey
 from subsoil.uncertainty import MeanSquare, mean_square_error, predicted_rmse
 from subsoil.variogram import ESTIMATORS, LeastSquares
-from subsoil.ways.open_land import travel_of
 from subsoil.ways.routing import length, reroute
 
 Floats = NDArray[np.float64]
@@ -188,14 +187,14 @@ def _stops_ahead(survey: Survey) -> int:
 
 def _metres(survey: Survey, planned: tuple[int, ...], new: list[int]) -> list[float]:
     """Way in m through the planned stops, and on through ever more of the new ones."""
-    travel, cells = travel_of(survey.field), survey.field.cells
+    access, cells = survey.access, survey.access.at
     ways = [
-        length(travel, survey.position, cells[list(planned[: k + 1])]) for k in range(len(planned))
+        length(access, survey.position, cells[list(planned[: k + 1])]) for k in range(len(planned))
     ]
     here = cells[planned[-1]] if planned else survey.position
     before = ways[-1] if ways else 0.0
     route: tuple[int, ...] = ()
     for cell in new:
-        route = reroute(travel, cells, here, route, (cell,))
-        ways.append(before + length(travel, here, cells[list(route)]))
+        route = reroute(access, cells, here, route, (cell,))
+        ways.append(before + length(access, here, cells[list(route)]))
     return ways

@@ -13,7 +13,8 @@ from subsoil.penetrometer import Insertion, reading_of
 from subsoil.reports import STOPPED, Place
 from subsoil.simulation.probe import Machine, push
 from subsoil.simulation.truth import Truth
-from subsoil.ways.open_land import travel_of
+from subsoil.ways.access import Access
+from subsoil.ways.open_land import OpenLand
 
 ROBOT = 1
 """Key of the robot's random streams under a survey's seed."""
@@ -28,11 +29,11 @@ class SimulatedRobot:
     the robot is in its arguments: a robot made with another's ``position`` and ``battery_s`` goes
     on exactly as that one would.
 
-    It drives the shortest way (:class:`subsoil.ways.open_land.Travel`) and arrives exactly where it was
-    sent; what it reports is off by the error of its receiver, the same for arrival and holes of a
-    stop. A push reads the cell nearest to its hole. A push that the force limit ends is tried
-    again beside the first hole; the deepest counts. Probing again before driving elsewhere is a
-    further push at the stop, on a wider circle of holes and with a deviation of its own.
+    It drives the shortest way and arrives exactly where it was sent; what it reports is off by the
+    error of its receiver, the same for arrival and holes of a stop. A push reads the cell nearest
+    to its hole. A push that the force limit ends is tried again beside the first hole; the deepest
+    counts. Probing again before driving elsewhere is a further push at the stop, on a wider circle
+    of holes and with a deviation of its own.
 
     Parameters
     ----------
@@ -46,6 +47,8 @@ class SimulatedRobot:
         Easting and northing in m where it really stands: where it was last sent.
     battery_s
         Time in s the battery still lasts; by default it is full.
+    access
+        Ways it can take; by default all that the open land of the field allows.
     faster
         How many times faster than a real one it works. Default: at once.
 
@@ -69,11 +72,13 @@ class SimulatedRobot:
         seed: int,
         position: Place,
         battery_s: float | None = None,
+        access: Access | None = None,
         faster: float = inf,
     ) -> None:
         self.truth, self.machine, self.seed = truth, machine, seed
         self.position: Place = (float(position[0]), float(position[1]))
         self.battery_s = machine.battery_s if battery_s is None else battery_s
+        self.access = OpenLand(truth.field) if access is None else access
         self.stop_number, self.pushed = 0, 0
         self._faster = faster
         self._stopped = False
@@ -92,7 +97,7 @@ class SimulatedRobot:
             return Unreachable(STOPPED, self.position)
         if not (isfinite(at[0]) and isfinite(at[1])):
             return Unreachable(f"({at[0]:g}, {at[1]:g}) is no place", self.position)
-        metres = float(travel_of(self.truth.field).between(self.position, at)[0, 0])
+        metres = float(self.access.between(self.position, at)[0, 0])
         if not isfinite(metres):
             return Unreachable("no way leads there", self.position)
         seconds = metres / self.machine.speed_mps

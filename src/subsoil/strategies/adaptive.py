@@ -56,7 +56,7 @@ def adaptive_greedy(
     dropped = len(view.plan) - len(kept)
     if not added and not dropped:
         return Plan(view.plan, "no cell exceeds the plan's KV")
-    cells = reroute(view.travel, view.field.cells, view.position, kept, added)
+    cells = reroute(view.access, view.access.at, view.position, kept, added)
     return Plan(cells, f"{dropped} dropped, {f'cell {added[0]}' if added else 'none'} added by KV")
 
 
@@ -96,7 +96,7 @@ def adaptive_monte_carlo(
     if worst == new:
         return Plan(plan.cells, f"cell {new} drawn, but lowest in KV")
     kept = [cell for cell in plan.cells if cell != worst]
-    cells = reroute(view.travel, view.field.cells, view.position, kept, [new])
+    cells = reroute(view.access, view.access.at, view.position, kept, [new])
     return Plan(cells, f"cell {new} drawn by KV for cell {worst}")
 
 

@@ -139,7 +139,7 @@ def carry_on(view: View) -> Plan:
         )
     refused = view.refused[-1]
     (stand_in,) = nearest_free(view, view.field.cells[[refused]]).tolist()
-    cells = reroute(view.travel, view.field.cells, view.position, view.plan, [stand_in])
+    cells = reroute(view.access, view.access.at, view.position, view.plan, [stand_in])
     asked = dict(zip(view.plan, view.pushes, strict=False))
     pushes = tuple(asked.get(cell, 1) for cell in cells) if asked else ()
     return Plan(cells, f"cell {stand_in} stands in for refused cell {refused}", pushes)
@@ -151,7 +151,7 @@ def _due(view: View) -> bool:
 
 
 def _toured(view: View, cells: Integers, reason: str) -> Plan:
-    order = tour(view.travel, view.position, view.field.cells[cells])
+    order = tour(view.access, view.position, view.access.at[cells])
     return Plan(tuple(cells[list(order)].tolist()), reason)
 
 

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.kriging.designs import Designs
+from subsoil.strategies.detours import Detours
 from subsoil.strategies.terms import Price, Terms
-from subsoil.ways.open_land import Travel
-from subsoil.ways.routing import shorten
+from subsoil.ways.access import Access
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -72,10 +72,8 @@ class Exchange:
     ----------
     designs
         What judges designs.
-    travel
-        Ways between places of the field.
-    at
-        (N, 2) cell centres in m.
+    access
+        Ways between the N cells of the field.
     start
         Where the way begins.
     fixed
@@ -93,8 +91,7 @@ class Exchange:
     def __init__(
         self,
         designs: Designs,
-        travel: Travel,
-        at: Floats,
+        access: Access,
         start: tuple[float, float],
         fixed: Sequence[int],
         route: Sequence[int],
@@ -102,19 +99,17 @@ class Exchange:
         price: Price,
         driven: float = 0.0,
     ) -> None:
-        self.designs, self.travel, self.at = designs, travel, at
+        self.designs = designs
+        self._cell_count = len(access.at)
         self._fixed = len(fixed)
         self._cells = [*fixed, *route]
         self._order = list(range(len(fixed), len(self._cells)))
         self._open = free.copy()
         self._open[self._cells] = False
-        c, g = designs.rows(self._cells) if self._cells else (np.empty((0, len(at))),) * 2
-        self._c = np.concatenate([c, np.ones((1, len(at)))])
+        c, g = designs.rows(self._cells) if self._cells else (np.empty((0, self._cell_count)),) * 2
+        self._c = np.concatenate([c, np.ones((1, self._cell_count))])
         self._g = np.concatenate([g, designs.average[None]])
-        starts = np.array([start], dtype=float)
-        self._away = np.concatenate(
-            [travel.between(at[self._cells], at), travel.between(starts, at)]
-        )
+        self._detours = Detours(access, self._cells, start)
         self.price, self._dearer, self._driven = price, 1.0, driven
         self.refresh()
 
@@ -186,7 +181,7 @@ class Exchange:
         c, g = self.designs.rows([cell])
         self._c = np.insert(self._c, slot, c, axis=0)
         self._g = np.insert(self._g, slot, g, axis=0)
-        self._away = np.insert(self._away, slot, self._from(cell), axis=0)
+        self._detours.insert(slot, cell)
         self._cells.append(cell)
         self._open[cell] = False
         self._order.insert(int(options.gap[best]), slot)
@@ -198,9 +193,8 @@ class Exchange:
         slot = self._order[int(np.argmin(kept))]
         self._open[self._cells.pop(slot)] = True
         self._order = [other - (other > slot) for other in self._order if other != slot]
-        self._c, self._g, self._away = (
-            np.delete(rows, slot, axis=0) for rows in (self._c, self._g, self._away)
-        )
+        self._c, self._g = (np.delete(rows, slot, axis=0) for rows in (self._c, self._g))
+        self._detours.delete(slot)
         self.refresh()
 
     def _best(self) -> tuple[Options, int]:
@@ -208,10 +202,6 @@ class Exchange:
         objective = self._a_metre() * options.detour - options.gain
         objective[~self._open] = inf
         return options, int(np.argmin(objective))
-
-    def _from(self, cell: int) -> Floats:
-        """(N,) metres from a cell to all cells."""
-        return np.asarray(self.travel.between(self.at[[cell]], self.at)[0])
 
     def _loss(self, slot: int) -> float:
         """By how much the objective grows without a stop."""
@@ -257,9 +247,9 @@ class Exchange:
 
         All cells come as a slice, which copies nothing.
         """
-        if reach_m == inf and len(self.at) <= _MOST_WEIGHED:
+        if reach_m == inf and self._cell_count <= _MOST_WEIGHED:
             return slice(None)
-        near = np.flatnonzero(self._away[slot] <= reach_m)
+        near = self._detours.near(slot, reach_m)
         if len(near) <= _MOST_WEIGHED:
             return near
         drawn = rng.choice(near, _MOST_WEIGHED, replace=False)
@@ -271,7 +261,7 @@ class Exchange:
             return
         self._cells[slot] = cell
         (self._c[slot],), (self._g[slot],) = self.designs.rows([cell])
-        self._away[slot] = self._from(cell)
+        self._detours.put(slot, cell)
         self._gram[:, slot] = self._g[:, cell]
         self._gram[slot] = self._gram[:, slot]
 
@@ -290,23 +280,16 @@ class Exchange:
         joint = self._gram @ weights
         joint -= 2.0 * self._g[:, columns]
         gain = (designs.squares[columns] + np.einsum("nq,nq->q", weights, joint)) / own
-        detours = self._away[[-1, *order]]
-        detours = detours[:, columns]
-        detours[:-1] += detours[1:] - np.array(self._legs(order)).reshape(-1, 1)
-        gap = detours.argmin(axis=0)
-        cells = np.arange(len(self.at))[columns]
-        return Options(cells, gain, own, weights, detours.min(axis=0), gap)
+        detour, gap = self._detours.of(order, self._legs(order), columns)
+        cells = np.arange(self._cell_count)[columns]
+        return Options(cells, gain, own, weights, detour, gap)
 
     def _legs(self, order: Sequence[int]) -> list[float]:
         """Metres from each stop of a way to the next, from the start on."""
-        cells = [self._cells[slot] for slot in order]
-        return np.asarray(self._away[[-1, *order][:-1], cells]).tolist() if cells else []
+        return self._detours.legs(order, [self._cells[slot] for slot in order])
 
     def _shorten(self) -> None:
-        among = np.zeros((len(self._order) + 1,) * 2)
-        among[:, 1:] = self._away[[-1, *self._order]][:, list(self.route)]
-        among[1:, 0] = among[0, 1:]
-        self._order = [self._order[node - 1] for node in shorten(among)]
+        self._order = self._detours.shortened(self._order, self.route)
 
     def _a_metre(self) -> float:
         """Mean variance, in sills, that a metre is worth where the search stands."""

@@ -208,8 +208,7 @@ def _exchange(view: View, designs: Designs, route: tuple[int, ...], price: Price
     free[list(view.plan)] = True
     return Exchange(
         designs,
-        view.travel,
-        view.field.cells,
+        view.access,
         view.position,
         view.readings,
         route,
@@ -223,8 +222,8 @@ def _stops_in_time(view: View, clock: Clock, way: float) -> int:
     """Most stops there is time for, with a way of some share of an area split's."""
 
     def fits(stops: int) -> bool:
-        split = view.field.cells[list(_split(view, stops))]
-        return way * length(view.travel, view.position, split) <= clock.metres_for(stops)
+        split = view.access.at[list(_split(view, stops))]
+        return way * length(view.access, view.position, split) <= clock.metres_for(stops)
 
     fewest, most = 0, clock.most_stops(view.remaining)
     if not clock.counts_minutes or not most or fits(most):
@@ -242,7 +241,7 @@ def _split(view: View, stops: int) -> tuple[int, ...]:
     """
     _, centres = areas(view.field, stops, _ROUNDS, view.rng)
     cells = nearest_free(view, centres).tolist()
-    return reroute(view.travel, view.field.cells, view.position, (), cells)
+    return reroute(view.access, view.access.at, view.position, (), cells)
 
 
 def _suit_to_time(search: Exchange, clock: Clock, most: int) -> None:

@@ -50,7 +50,7 @@ def highest(view: View) -> int:
     free = np.flatnonzero(view.free)
     kv = view.soil_map.kv[free]
     best = free[kv >= kv.max() * (1 - TIE)]
-    away = view.travel.between(view.position, view.field.cells[best])
+    away = view.access.between(view.position, view.access.at[best])
     return int(best[np.argmin(away)])
 
 

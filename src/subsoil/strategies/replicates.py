@@ -219,8 +219,8 @@ def _savings(view: View, stops: Stops) -> Floats:
 
 def _away(view: View, stops: Stops) -> Floats:
     """(k + 1, k + 1) metres between the agent's place and k stops."""
-    places = np.concatenate([np.array([view.position]), view.field.cells[list(stops)]])
-    return np.asarray(view.travel.between(places, places))
+    places = np.concatenate([np.array([view.position]), view.access.at[list(stops)]])
+    return np.asarray(view.access.between(places, places))
 
 
 def _spread(stops: Stops, pushes: Stops) -> list[int]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from subsoil.field import Field
 from subsoil.soilmap import SoilMap
 from subsoil.stopping import Pace
-from subsoil.ways.open_land import Travel, travel_of
+from subsoil.ways.access import Access
 
 _PACE = Pace()
 
@@ -25,6 +25,8 @@ class View:
     ----------
     field
         The field and its cells.
+    access
+        Where one may stop, and the ways between.
     soil_map
         The map so far.
     position
@@ -58,6 +60,7 @@ class View:
     """
 
     field: Field
+    access: Access
     soil_map: SoilMap
     position: tuple[float, float]
     plan: tuple[int, ...]
@@ -88,15 +91,11 @@ class View:
 
     @property
     def free(self) -> NDArray[np.bool_]:
-        """(N,) cells neither probed, refused, planned nor on anybody's way."""
-        mask = np.ones(len(self.field.cells), dtype=bool)
+        """(N,) cells in reach that are neither probed, refused, planned nor on anybody's way."""
+        (away,) = self.access.between(self.position, self.access.at)
+        mask: NDArray[np.bool_] = self.access.stops & np.isfinite(away)
         mask[[*self.visited, *self.refused, *self.leased, *self.plan]] = False
         return mask
-
-    @property
-    def travel(self) -> Travel:
-        """Ways through the field."""
-        return travel_of(self.field)
 
     @property
     def informed(self) -> bool:

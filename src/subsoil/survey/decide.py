@@ -68,6 +68,7 @@ def view(survey: Survey) -> View:
     key = np.random.SeedSequence(settings.seed, spawn_key=(_STRATEGY_STREAM, survey.step))
     return View(
         field=survey.field,
+        access=survey.access,
         soil_map=survey.soil_map,
         position=survey.position,
         plan=survey.plan.cells,
@@ -165,6 +166,12 @@ def _check_plan(survey: Survey, plan: Plan) -> None:
     for cell in plan.cells:
         if not 0 <= cell < len(survey.field.cells):
             raise ParameterError(f"it plans cell {cell}, which is not in the field", where=where)
+        if not survey.access.stops[cell]:
+            raise ParameterError(
+                f"it plans cell {cell}, at which one cannot stop",
+                where=where,
+                remedy="plan free cells only: View.free",
+            )
         if cell in gone:
             raise ParameterError(
                 f"it plans cell {cell}, which is visited, refused, assigned or planned already",

@@ -329,7 +329,7 @@ class LocalDispatch:
 
     def _assignment(self, lease: Lease) -> Assignment:
         field = self.survey.field
-        east, north = field.cells[lease.cell].tolist()
+        east, north = self.survey.access.at[lease.cell].tolist()
         lonlat = None
         if field.crs:
             ((longitude, latitude),) = field.to_lonlat((east, north)).tolist()

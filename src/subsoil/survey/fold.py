@@ -42,6 +42,7 @@ from subsoil.survey.events import (
 )
 from subsoil.survey.settings import Settings
 from subsoil.survey.state import NEVER, NO_PLAN, NOTHING_MEASURED, Agent, Survey, with_agent
+from subsoil.ways.open_land import OpenLand
 
 
 def opened(event: Opened) -> Survey:
@@ -61,7 +62,8 @@ def opened(event: Opened) -> Survey:
     soil_map = SoilMap(field.cells, layers, covariate=covariate)
     settings = Settings(start=field.entrance)
     return Survey(
-        event.name, field, layers, cone, settings, soil_map, position=field.entrance
+        event.name, field, layers, cone, OpenLand(field), settings, soil_map,
+        position=field.entrance,
     )  # fmt: skip
 
 

@@ -23,7 +23,6 @@ from subsoil.survey.events import (
 )
 from subsoil.survey.fold import apply, opened
 from subsoil.survey.state import Survey
-from subsoil.ways.open_land import travel_of
 from subsoil.ways.routing import length
 
 _EQUAL = 1e-6
@@ -146,8 +145,8 @@ def _as_good(survey: Survey, event: Event, expected: Event) -> bool:
 def _worth(survey: Survey, cells: tuple[int, ...]) -> tuple[float, float]:
     """Way of a plan in m, and the mean variance after it in sills."""
     seen = view(survey)
-    stops = survey.field.cells[list(cells)]
-    metres = length(travel_of(survey.field), survey.position, stops)
+    stops = survey.access.at[list(cells)]
+    metres = length(survey.access, survey.position, stops)
     return metres, designs_for(seen).mean_variance([*seen.readings, *cells])
 
 

@@ -28,7 +28,7 @@ from subsoil.variogram import (
     empirical_layers,
     estimator_named,
 )
-from subsoil.ways.open_land import travel_of
+from subsoil.ways.access import Access
 from subsoil.ways.routing import length
 
 NEVER = -1
@@ -125,6 +125,8 @@ class Survey:
     ----------
     name, field, layers, cone
         What was set up.
+    access
+        Where in the field one may stop, and the ways between.
     settings
         How to survey, as last decided.
     method
@@ -174,6 +176,7 @@ class Survey:
     field: Field
     layers: Layers
     cone: Cone
+    access: Access
     settings: Settings
     soil_map: SoilMap
     method: str = ""
@@ -260,8 +263,8 @@ class Survey:
     @property
     def spent_after_next(self) -> Spent:
         """What it will have cost after the next planned stop and its pushes, at its pace."""
-        stop = self.field.cells[self.plan.cells[0]]
-        metres = length(travel_of(self.field), self.position, stop)
+        stop = self.access.at[self.plan.cells[0]]
+        metres = length(self.access, self.position, stop)
         further = self.plan.pushes[0] - 1 if self.plan.pushes else 0
         more = self.settings.pace.minutes(metres, 1, further)
         return self._spent(self.taken + 1, self.metres + metres, self.minutes + more, more)

@@ -115,7 +115,7 @@ def released(survey: Survey, event: Released) -> Survey:
 
 def _lapsed(survey: Survey, event: Released, lease: Lease) -> Refused:
     """What is taken for reported of a stop that two agents in turn did not report on."""
-    east, north = survey.field.cells[lease.cell].tolist()
+    east, north = survey.access.at[lease.cell].tolist()
     return Refused(
         id=event.id, time=event.time, clock=event.clock, agent=event.agent, assignment=lease.id,
         source=Source(kind=survey.agent(event.agent).kind), at=(east, north), tries=0,
@@ -252,7 +252,7 @@ def _counted(survey: Survey, at: Place, accuracy_m: float | None, assignment: st
 
 
 def _far(survey: Survey, at: Place, accuracy_m: float | None, cell: int) -> bool:
-    east, north = survey.field.cells[cell].tolist()
+    east, north = survey.access.at[cell].tolist()
     away = hypot(at[0] - east, at[1] - north)
     near = FAR_CELLS * survey.field.cell_size
     return not away <= max(near, FAR_DEVIATIONS * (accuracy_m or 0.0))

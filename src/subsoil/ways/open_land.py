@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import pairwise
 from typing import cast
 
@@ -36,9 +36,9 @@ _BLOCK = 200_000
 """Pairs of places looked at in one go; what is worked on then stays in the processor's cache."""
 
 
-@dataclass(frozen=True, eq=False)
-class Travel:
-    """Ways through a field; made by :func:`travel_of`.
+@dataclass(frozen=True)
+class OpenLand:
+    """Land that may be driven on everywhere but in keep-outs; one stops at the centres of cells.
 
     A way that starts or ends outside the field or in a keep-out first goes straight to the nearest
     allowed place, through whatever lies there. Between parts of a field that are not connected,
@@ -50,38 +50,71 @@ class Travel:
     ----------
     field
         The land.
-    free
-        The part of it that may be driven on.
-    walls
-        (p, 2) places in m along each line that a way may not cross: the free land's outline but
-        for its convex hull's, moved outwards by a micrometre.
-    corners
-        (v, 2) places in m where a way may bend.
-    between_corners
-        (v, v) lengths in m of the ways between them, infinite where there is none.
-    before
-        (v, v) corner before the second on the way from the first; negative where there is none.
     """
 
     field: Field
-    free: Area
-    walls: tuple[Floats, ...]
-    corners: Floats
-    between_corners: Floats
-    before: Integers
+
+    @property
+    def at(self) -> Floats:
+        """(N, 2) centres of the cells in m."""
+        return self.field.cells
+
+    @cached_property
+    def stops(self) -> Flags:
+        """(N,) all cells: those of a field lie outside its keep-outs."""
+        everywhere = np.ones(len(self.field.cells), dtype=bool)
+        everywhere.setflags(write=False)
+        return everywhere
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Every way is as long back as forth."""
+        return True
+
+    @cached_property
+    def free(self) -> Area:
+        """The part of the land that may be driven on."""
+        barred = shapely.union_all(list(self.field.keep_outs))
+        return cast("Area", shapely.difference(self.field.boundary, barred))
+
+    @cached_property
+    def walls(self) -> tuple[Floats, ...]:
+        """(p, 2) places in m along each line that a way may not cross.
+
+        The free land's outline but for its convex hull's, moved outwards by a micrometre.
+        """
+        return _walls(self.free)
+
+    @cached_property
+    def corners(self) -> Floats:
+        """(v, 2) places in m where a way may bend."""
+        corners = _bends(self.free) if self.walls else np.empty((0, 2))
+        corners.setflags(write=False)
+        return corners
+
+    @cached_property
+    def _ways(self) -> tuple[Floats, Integers]:
+        """(v, v) lengths in m of the ways between corners, and the corner before the second.
+
+        Infinite where there is no way, and the corner negative.
+        """
+        step = cdist(self.corners, self.corners)
+        step[~_visible(self.walls, self.corners, self.corners)] = np.inf
+        length, before = shortest_path(step, method="D", directed=False, return_predecessors=True)
+        return length, np.asarray(before, dtype=np.int32)
 
     def between(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Lengths (k, l) in m of the shortest ways from (k, 2) to (l, 2) places in m.
 
-        Never shorter than the straight line and the same both ways. Over places of one part of a
+        Always finite, and the same both ways. Over places of one part of a
         field the triangle inequality holds. Costs O(k l e) where walls have e edges.
 
         Examples
         --------
         >>> pond = [(40, 0), (60, 0), (60, 40), (40, 40)]
         >>> meadow = [(0, 0), (100, 0), (100, 50), (0, 50)]
-        >>> travel = travel_of(Field.from_metres(meadow, keep_outs=[pond]))
-        >>> travel.between([(40, 0)], [(60, 0), (20, 0), (60, 40)])
+        >>> land = OpenLand(Field.from_metres(meadow, keep_outs=[pond]))
+        >>> land.between([(40, 0)], [(60, 0), (20, 0), (60, 40)])
         array([[100.,  20.,  60.]])
         """
         a, b = _places(a), _places(b)
@@ -89,7 +122,7 @@ class Travel:
         if not self.walls:
             return straight
         one, other = self._sight(a), self._sight(b)
-        bent = _through(_through(one.corners, self.between_corners), other.corners.T)
+        bent = _through(_through(one.corners, self._ways[0]), other.corners.T)
         direct = cdist(one.at, other.at)
         direct[~_visible(self.walls, one.at, other.at)] = np.inf
         inside = np.minimum(direct, bent, out=bent)
@@ -103,10 +136,8 @@ class Travel:
         Examples
         --------
         >>> shed = [(50, 50), (100, 50), (100, 100), (50, 100)]
-        >>> travel = travel_of(
-        ...     Field.from_metres([(0, 0), (100, 0), (100, 100), (0, 100)], keep_outs=[shed])
-        ... )
-        >>> travel.way((20, 90), (90, 20)).tolist()
+        >>> yard = Field.from_metres([(0, 0), (100, 0), (100, 100), (0, 100)], keep_outs=[shed])
+        >>> OpenLand(yard).way((20, 90), (90, 20)).tolist()
         [[20.0, 90.0], [50.0, 50.0], [90.0, 20.0]]
         """
         ends = np.concatenate([_places(a), _places(b)])
@@ -114,7 +145,7 @@ class Travel:
             return ends
         sight = self._sight(ends)
         (start, stop), seen = sight.at[:, None], sight.corners
-        bent = seen[0][:, None] + self.between_corners + seen[1]
+        bent = seen[0][:, None] + self._ways[0] + seen[1]
         direct = _visible(self.walls, start, stop)[0, 0]
         if not (direct or np.isfinite(bent).any()):
             return ends
@@ -128,7 +159,7 @@ class Travel:
         first, last = divmod(pair, len(self.corners))
         chain = [last]
         while chain[-1] != first:
-            chain.append(int(self.before[first, chain[-1]]))
+            chain.append(int(self._ways[1][first, chain[-1]]))
         return chain[::-1]
 
     def _sight(self, places: Floats) -> _Sight:
@@ -158,23 +189,6 @@ class _Sight:
     at: Floats
     approach: Floats
     corners: Floats
-
-
-@lru_cache(maxsize=32)
-def travel_of(field: Field) -> Travel:
-    """Ways through a field, found once and remembered."""
-    barred = shapely.union_all(list(field.keep_outs))
-    free = cast("Area", shapely.difference(field.boundary, barred))
-    walls = _walls(free)
-    corners = _bends(free) if walls else np.empty((0, 2))
-    step = cdist(corners, corners)
-    step[~_visible(walls, corners, corners)] = np.inf
-    length, before = shortest_path(step, method="D", directed=False, return_predecessors=True)
-    before = np.asarray(before, dtype=np.int32)
-    for array in (*walls, corners, length):
-        array.setflags(write=False)
-    before.setflags(write=False)
-    return Travel(field, free, walls, corners, length, before)
 
 
 def _walls(free: Area) -> tuple[Floats, ...]:
