@@ -1,8 +1,9 @@
-"""Imports point down the floors, and edges' libraries stay at the edges."""
+"""Imports point down, room by room, and edges' libraries stay at the edges."""
 
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -11,16 +12,19 @@ import subsoil
 
 PACKAGE = Path(subsoil.__file__).parent
 
-FLOORS: dict[str, int] = {
-    "errors": 1, "registry": 1, "reports": 1, "agent": 1, "frames": 1, "outline": 1, "field": 1,
-    "penetrometer": 1, "layers": 1,
-    "variogram": 2, "kriging": 2, "soilmap": 2, "scores": 2, "uncertainty": 2,
-    "ways": 3, "stopping": 3, "strategies": 3,
-    "simulation": 4,
-    "survey": 5,
-    "journal": 5,
-    "io": 6, "datasets": 6, "plots": 6, "report": 6, "bench": 6, "cli": 6, "__main__": 6,
+FLOORS: dict[str, tuple[str, ...]] = {
+    "1 values": (
+        "errors", "registry", "reports", "agent", "frames", "outline", "field", "penetrometer",
+        "layers",
+    ),
+    "2 maths": ("variogram", "kriging", "mapping"),
+    "3 decisions": ("ways", "stopping", "strategies"),
+    "4 world": ("simulation",),
+    "5 loop": ("survey", "journal"),
+    "6 edges": ("io", "datasets", "plots", "report", "bench", "cli", "__main__"),
 }  # fmt: skip
+"""Rooms from the bottom up: each may import those named before it."""
+ROOMS = tuple(room for rooms in FLOORS.values() for room in rooms)
 EDGE_LIBRARIES = {
     "typer", "click", "rich", "rasterio", "xarray", "matplotlib", "jinja2", "pooch", "yaml",
     "pyogrio", "dask", "distributed",
@@ -46,13 +50,13 @@ MODULES = sorted(p for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_a_module_imports_only_its_own_floor_and_those_below(path: Path) -> None:
-    floor = FLOORS[room(path)]
+def test_a_room_imports_only_rooms_below_it(path: Path) -> None:
+    here = ROOMS.index(room(path))
     for name in imported(path):
         parts = name.split(".")
         if parts[0] == "subsoil" and len(parts) > 1:
-            assert FLOORS[parts[1]] <= floor, f"{path.name} imports {name}"
-        if floor < 6:
+            assert ROOMS.index(parts[1]) <= here, f"{path.name} imports {name}"
+        if room(path) not in FLOORS["6 edges"]:
             assert parts[0] not in EDGE_LIBRARIES, f"{path.name} imports {name}"
 
 
@@ -62,5 +66,12 @@ def test_strategies_never_see_the_truth(path: Path) -> None:
         assert not any("simulation" in name for name in imported(path))
 
 
-def test_every_room_has_a_floor() -> None:
-    assert {room(path) for path in MODULES} <= FLOORS.keys()
+def test_every_room_has_its_place_and_the_guide_for_contributors_names_it() -> None:
+    assert {room(path) for path in MODULES} == set(ROOMS)
+    guide = (PACKAGE.parents[1] / "CONTRIBUTING.md").read_text()
+    floors = re.findall(r"^\| (\d [a-z]+) \| (.*?) \|", guide, re.MULTILINE)
+    named = {floor: tuple(re.findall(r"`([a-z_]+)/?`", rooms)) for floor, rooms in floors}
+    assert named == {
+        floor: tuple(each for each in rooms if each != "__main__")
+        for floor, rooms in FLOORS.items()
+    }

@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.layers import Layers, Sample
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.mapping.uncertainty import mean_square_error, predicted_rmse
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.simulation import Machine
-from subsoil.soilmap import SoilMap
 from subsoil.stopping import (
     DecidedShare,
     Goal,
@@ -31,7 +32,6 @@ from subsoil.stopping import (
     forecast,
     further,
 )
-from subsoil.uncertainty import mean_square_error, predicted_rmse
 from subsoil.variogram import Exponential, Spherical
 
 ON_THE_WAY = Spent(samples=15, metres=120.0, minutes=10.0, mean_kv=900.0)

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from subsoil.field import Field
     from subsoil.kriging import OrdinaryKriging, Prediction, condition
     from subsoil.layers import Layers, LayerState, Sample
+    from subsoil.mapping.soilmap import SoilMap
     from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, Cone, Insertion, Profile, profile
-    from subsoil.soilmap import SoilMap
     from subsoil.variogram.models import (
         BoundedLinear,
         Circular,
@@ -35,7 +35,7 @@ _HOMES = {
     "kriging": ("OrdinaryKriging", "Prediction", "condition"),
     "layers": ("Layers", "LayerState", "Sample"),
     "penetrometer": ("LARGE_CONE", "SMALL_CONE", "Cone", "Insertion", "Profile", "profile"),
-    "soilmap": ("SoilMap",),
+    "mapping.soilmap": ("SoilMap",),
     "variogram.models": (
         "BoundedLinear", "Circular", "Exponential", "Gaussian", "Matern32", "Matern52", "Power",
         "PureNugget", "Spherical", "Variogram", "semivariance",

@@ -20,8 +20,8 @@ from subsoil.bench.task import (
 )
 from subsoil.bench.world import TruthReader
 from subsoil.errors import ParameterError, SubsoilError
+from subsoil.mapping.scores import rmse
 from subsoil.penetrometer import LARGE_CONE, profile_of
-from subsoil.scores import rmse
 from subsoil.simulation import test_bed
 from subsoil.ways.open_land import OpenLand
 

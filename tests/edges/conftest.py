@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
+from subsoil.mapping.scores import rmse
 from subsoil.report import Progress
-from subsoil.scores import rmse
 from subsoil.simulation import Truth
 from subsoil.survey import LocalDispatch, Memory, Survey, fits_of, opened
 from subsoil.survey.events import Configured, Event, Opened, Planned

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from subsoil.errors import ReadingsError
+from subsoil.mapping.uncertainty import MeanSquare
 from subsoil.plots import outlook_curve
 from subsoil.report import Progress
-from subsoil.report.outlook import Outlook, Prospect
-from subsoil.uncertainty import MeanSquare
+from subsoil.survey.outlook import Outlook, Prospect
 
 HISTORY = tuple(Progress(n, 50.0 * n, 2.0 * n, 90000.0 / n, nan) for n in range(2, 13))
 ERROR = MeanSquare(7000.0, 60.0, 40.0)

@@ -22,6 +22,7 @@ from matplotlib.text import Text
 from subsoil.errors import MissingExtraError, ParameterError, ReadingsError
 from subsoil.field import Field
 from subsoil.layers import Layers, LayerState, Sample
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots import (
     depth_slices,
     draw_survey,
@@ -36,7 +37,6 @@ from subsoil.plots.album import way
 from subsoil.plots.sheet import sheet
 from subsoil.report import Progress
 from subsoil.reports import Refused
-from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey, apply, opened
 from subsoil.survey.events import Configured, Opened
 from subsoil.variogram import BoundedLinear, Fit, LeastSquares, Spherical, Variogram

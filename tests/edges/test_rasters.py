@@ -14,8 +14,8 @@ from subsoil.errors import MissingExtraError, ParameterError
 from subsoil.field import Field
 from subsoil.io.rasters import to_dataset, write_geotiffs
 from subsoil.layers import Layers, Sample
-from subsoil.soilmap import SoilMap
-from subsoil.uncertainty import standard_deviation
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.variogram import Spherical
 
 LAYERS = Layers((0.0, 0.1, 0.15, 0.2))

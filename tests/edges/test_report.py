@@ -14,9 +14,9 @@ import pytest
 
 from subsoil.errors import MissingExtraError, ReadingsError
 from subsoil.layers import LayerState, Sample
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.report import Progress, render, write_report
 from subsoil.reports import Refused
-from subsoil.soilmap import SoilMap
 from subsoil.strategies import Plan
 from subsoil.survey import Stop, Survey, apply, opened
 from subsoil.survey.events import Configured, Opened

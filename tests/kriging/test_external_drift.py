@@ -16,13 +16,13 @@ from scipy.cluster.vq import kmeans2
 
 from subsoil.errors import ParameterError, SingularSystemError
 from subsoil.kriging import condition, over
-from subsoil.kriging.choice import FEWEST_SAMPLES, DriftRule, helped, learn
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted, leave_one_out_with
 from subsoil.layers import Layers, LayerState, Sample
-from subsoil.scores import rmse
+from subsoil.mapping.fit import FEWEST_SAMPLES, DriftRule, helped, learn
+from subsoil.mapping.scores import rmse
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.simulation import Truth
 from subsoil.simulation import test_bed as draw_field
-from subsoil.soilmap import SoilMap
 from subsoil.variogram import (
     Bounded,
     Exponential,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from subsoil.errors import ParameterError
-from subsoil.report.outlook import in_words, out_of_reach, outlook
+from subsoil.mapping.uncertainty import predicted_rmse
 from subsoil.simulation import Truth
 from subsoil.stopping import (
     DecidedShare,
@@ -23,7 +23,7 @@ from subsoil.stopping import (
 )
 from subsoil.survey import LocalDispatch, Memory, Settings, Survey, apply, decision, fold
 from subsoil.survey.events import Configured, Event, Planned, from_json, same, to_json
-from subsoil.uncertainty import predicted_rmse
+from subsoil.survey.outlook import in_words, out_of_reach, outlook
 
 Configure = Callable[..., Configured]
 SurveyPlot = Callable[..., tuple[Survey, list[Event]]]

@@ -9,7 +9,7 @@ import pytest
 
 from subsoil.field import Field
 from subsoil.layers import Layers, Sample
-from subsoil.soilmap import SoilMap
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.strategies import View
 from subsoil.variogram import Spherical, Variogram
 from subsoil.ways.open_land import OpenLand

@@ -13,12 +13,12 @@ from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.kriging.designs import Designs
 from subsoil.layers import Layers
-from subsoil.soilmap import SoilMap
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.stopping import Pace
 from subsoil.strategies import Plan, View, strategy_named
-from subsoil.strategies.exchange import Exchange
-from subsoil.strategies.joint_plans import designs_for, joint, joint_adaptive
-from subsoil.strategies.terms import Price, Terms
+from subsoil.strategies.joint.exchange import Exchange
+from subsoil.strategies.joint.plans import designs_for, joint, joint_adaptive
+from subsoil.strategies.joint.price import Price, Terms
 from subsoil.variogram import Exponential, Nested, Structure
 from subsoil.ways.open_land import OpenLand
 from subsoil.ways.routing import length

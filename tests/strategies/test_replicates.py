@@ -15,8 +15,8 @@ from subsoil.field import Field
 from subsoil.kriging import condition, over
 from subsoil.kriging.designs import Designs
 from subsoil.strategies import View, strategy_named
-from subsoil.strategies.joint_plans import joint, joint_adaptive
-from subsoil.strategies.replicates import push_gains, replicates
+from subsoil.strategies.joint.plans import joint, joint_adaptive
+from subsoil.strategies.joint.replicates import push_gains, replicates
 from subsoil.variogram import Exponential, Nested, Structure
 from subsoil.ways.routing import length
 

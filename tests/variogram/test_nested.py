@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from subsoil.errors import ParameterError
 from subsoil.kriging import condition
 from subsoil.layers import Layers, LayerState, Sample
-from subsoil.soilmap import SoilMap
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.survey.events import Fitted, from_json, to_json
 from subsoil.survey.records import FitRecord, model_record
 from subsoil.variogram import (

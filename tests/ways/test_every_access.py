@@ -19,15 +19,15 @@ from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.kriging.designs import Designs
 from subsoil.layers import Layers
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import Source
 from subsoil.simulation import simulate
 from subsoil.simulation.probe import Machine
 from subsoil.simulation.robot import SimulatedRobot
-from subsoil.soilmap import SoilMap
 from subsoil.strategies import STRATEGIES, View
-from subsoil.strategies.exchange import Exchange
-from subsoil.strategies.terms import Price, Terms
+from subsoil.strategies.joint.exchange import Exchange
+from subsoil.strategies.joint.price import Price, Terms
 from subsoil.survey import LocalDispatch, Memory, Settings, opened, opening
 from subsoil.survey.events import Configured
 from subsoil.variogram import Exponential

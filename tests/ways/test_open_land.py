@@ -21,11 +21,11 @@ from subsoil.field import Field
 from subsoil.journal.geopackage import geometry_of, initialise
 from subsoil.journal.gis import NOTHING_DRAWN, create, draw_targets
 from subsoil.layers import Layers, Sample
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.outline import Area
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.plots.album import way as drawn_way
 from subsoil.simulation import Machine, SimulatedRobot, simulate
-from subsoil.soilmap import SoilMap
 from subsoil.survey import apply, opened, opening, view
 from subsoil.survey.events import Configured, Planned
 from subsoil.variogram import Spherical

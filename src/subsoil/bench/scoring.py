@@ -9,12 +9,12 @@ from subsoil.agent import drive
 from subsoil.bench.task import Result, Row, Series, Task, survey_seed
 from subsoil.bench.world import TruthReader, truth_of
 from subsoil.errors import SubsoilError
+from subsoil.mapping.scores import rmse
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import LARGE_CONE
 from subsoil.registry import NOBODY, module_of
 from subsoil.reports import Source
-from subsoil.scores import rmse
 from subsoil.simulation import Truth
-from subsoil.soilmap import SoilMap
 from subsoil.survey import LocalDispatch, Settings, Survey, opened, opening
 from subsoil.survey.events import Configured, Event, Finished, Planned, Simulation
 

@@ -25,12 +25,12 @@ from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.kriging import LeaveOneOut, block_out
-from subsoil.kriging.choice import learn
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.kriging.memory import check_memory
+from subsoil.mapping.fit import learn
+from subsoil.mapping.skill import layer_scores, no_better_than_mean
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots import readings_figures
-from subsoil.report.skill import layer_scores, no_better_than_mean
-from subsoil.soilmap import SoilMap
 from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
 
 ReadingsFile = Annotated[

@@ -27,10 +27,10 @@ from subsoil.field import Field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.journal import Journal, create, fingerprint, last_event
 from subsoil.layers import Layers
+from subsoil.mapping.scores import rmse
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
 from subsoil.reports import Source
-from subsoil.scores import rmse
 from subsoil.simulation import Truth
 from subsoil.survey import LocalDispatch, Settings, Survey, fits_of, fold, opening
 from subsoil.survey.events import Configured, Event, Planned, Simulation

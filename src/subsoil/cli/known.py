@@ -10,8 +10,8 @@ import typer
 from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.io.covariate import read_covariate
-from subsoil.kriging.choice import DriftRule
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
+from subsoil.mapping.fit import DriftRule
 
 CovariateFile = Annotated[
     Path | None,

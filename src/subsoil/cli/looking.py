@@ -29,7 +29,9 @@ from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
 from subsoil.plots import outlook_curve
 from subsoil.plots.album import DPI
-from subsoil.report.outlook import (
+from subsoil.survey import Survey, apply, fold, settled
+from subsoil.survey.events import Configured, Event, Opened
+from subsoil.survey.outlook import (
     SURE,
     Outlook,
     Prospect,
@@ -38,9 +40,7 @@ from subsoil.report.outlook import (
     outlook,
     too_sure,
 )
-from subsoil.report.progress import progress_of
-from subsoil.survey import Survey, apply, fold, settled
-from subsoil.survey.events import Configured, Event, Opened
+from subsoil.survey.progress import progress_of
 from subsoil.ways.routing import length
 
 _DEGREES = {"longitude", "latitude"}

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
 from subsoil.field import Field
-from subsoil.kriging.choice import DriftRule
 from subsoil.layers import Layers
+from subsoil.mapping.fit import DriftRule
 from subsoil.registry import NOBODY, module_of
 from subsoil.stopping import Goal, Rates
 from subsoil.strategies import strategy_named

@@ -19,8 +19,8 @@ from subsoil.errors import MissingExtraError, ParameterError
 from subsoil.field import Field
 from subsoil.frames import named_crs
 from subsoil.io.whole import whole
-from subsoil.soilmap import SoilMap
-from subsoil.uncertainty import standard_deviation
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.mapping.uncertainty import standard_deviation
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -10,7 +10,7 @@ like one more layer, y_x = W (x - x1), it needs no other system than that of ord
     mean(t)     = OK mean(t) + b e(t)
     variance(t) = OK variance(t) + e(t)^2 / (y_x . y_x)
 
-A covariate that has nothing to do with the soil costs accuracy: :mod:`subsoil.kriging.choice` asks
+A covariate that has nothing to do with the soil costs accuracy: :mod:`subsoil.mapping.fit` asks
 the readings first.
 """
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from subsoil.field import Field
 from subsoil.io.whole import whole
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots.depth import profiles
 from subsoil.plots.learning import learning_curves
 from subsoil.plots.maps import depth_slices, std_dev
 from subsoil.plots.semivariance import variograms
-from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
 from subsoil.variogram import Fit
 from subsoil.ways import routing
@@ -23,7 +23,7 @@ from subsoil.ways import routing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from subsoil.report.progress import Progress
+    from subsoil.survey.progress import Progress
 
 DPI = 150
 """Dots per inch of a PNG file."""

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
 from subsoil.layers import LayerState
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots.sheet import COLD, FAINT, INK, SMALL, TEXT, WARM, blank, place
-from subsoil.soilmap import SoilMap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from subsoil.report.outlook import Outlook
-    from subsoil.report.progress import Progress
+    from subsoil.survey.outlook import Outlook
+    from subsoil.survey.progress import Progress
 
 Floats = NDArray[np.float64]
 

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ReadingsError
 from subsoil.field import Field
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.plots.land import (
     SCALE_WIDTH,
     draw_land,
@@ -21,8 +23,6 @@ from subsoil.plots.land import (
     frame,
 )
 from subsoil.plots.sheet import FAINT, SMALL, TEXT, Sheet, blank, head, place, sheet
-from subsoil.soilmap import SoilMap
-from subsoil.uncertainty import standard_deviation
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots.sheet import COLD, FAINT, INK, SMALL, TEXT, WARM, blank, head, sheet
-from subsoil.soilmap import SoilMap
 from subsoil.variogram import Bounded, Fit, Nested, Variogram, name_of, semivariance
 
 if TYPE_CHECKING:

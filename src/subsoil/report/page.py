@@ -12,9 +12,9 @@ from types import ModuleType
 from subsoil.errors import MissingExtraError
 from subsoil.io.whole import whole
 from subsoil.plots.album import DPI, survey_figures
-from subsoil.report.progress import Progress
 from subsoil.report.wording import headline, notes, rows
 from subsoil.survey import Survey
+from subsoil.survey.progress import Progress
 from subsoil.variogram import Fit
 
 _TEMPLATE = "page.html.j2"

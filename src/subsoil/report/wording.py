@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from subsoil.layers import LayerState
+from subsoil.mapping.skill import layer_scores, no_better_than_mean
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.plots.semivariance import remark
-from subsoil.report.outlook import in_words, outlook
-from subsoil.report.progress import Progress
-from subsoil.report.skill import layer_scores, no_better_than_mean
-from subsoil.soilmap import SoilMap
 from subsoil.survey import Survey
-from subsoil.uncertainty import standard_deviation
+from subsoil.survey.outlook import in_words, outlook
+from subsoil.survey.progress import Progress
 from subsoil.variogram import Fit, name_of
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.layers import LayerState, Sample
-from subsoil.soilmap import SoilMap
-from subsoil.uncertainty import predicted_rmse, spaced
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.mapping.uncertainty import predicted_rmse, spaced
 
 Floats = NDArray[np.float64]
 

@@ -16,15 +16,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from subsoil.errors import ParameterError
-from subsoil.soilmap import SoilMap
-from subsoil.stopping.limits import FEWEST
-from subsoil.uncertainty import (
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.mapping.uncertainty import (
     decided,
     mean_square_error,
     predicted_rmse,
     probability_above,
     standard_deviation,
 )
+from subsoil.stopping.limits import FEWEST
 
 RUNNING = 3
 """Updates running by which a goal has to be met."""
@@ -66,7 +66,7 @@ class TargetRmse:
 class SureRmse:
     """The RMSE is at or below a target in kPa with a probability.
 
-    See :func:`subsoil.uncertainty.mean_square_error` for how that is known.
+    See :func:`subsoil.mapping.uncertainty.mean_square_error` for how that is known.
 
     Raises
     ------
@@ -103,7 +103,7 @@ class DecidedShare:
     """Most of the field is known to be above or below a threshold.
 
     A place is above it where some layer is: roots that meet one pan are stopped. Layers without
-    weight do not count. See :func:`subsoil.uncertainty.decided`.
+    weight do not count. See :func:`subsoil.mapping.uncertainty.decided`.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from subsoil.errors import ParameterError
 from subsoil.registry import NOBODY, Registry
 from subsoil.strategies.adaptive import adaptive_greedy, adaptive_monte_carlo
 from subsoil.strategies.coverage import area_split, random, w_shape
-from subsoil.strategies.joint_plans import designs_for, joint, joint_adaptive
+from subsoil.strategies.joint.plans import designs_for, joint, joint_adaptive
 from subsoil.strategies.next_best_view import greedy, monte_carlo
 from subsoil.strategies.view import Plan, Strategy, View
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.field import Field
-from subsoil.soilmap import SoilMap
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.stopping import Pace
 from subsoil.ways.access import Access
 

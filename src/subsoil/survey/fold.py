@@ -19,9 +19,9 @@ from subsoil.errors import CorruptJournalError
 from subsoil.field import Field
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.layers import Layers
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import Cone
 from subsoil.reports import Refused, Sampled
-from subsoil.soilmap import SoilMap
 from subsoil.strategies.view import Plan
 from subsoil.survey import stops
 from subsoil.survey.events import (

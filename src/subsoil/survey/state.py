@@ -9,12 +9,12 @@ from math import isfinite, nan
 import numpy as np
 
 from subsoil.field import Field
-from subsoil.kriging.choice import residuals
 from subsoil.layers import Layers, Sample
+from subsoil.mapping.fit import residuals
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import Cone, faults, profile_of
 from subsoil.registry import NOBODY
 from subsoil.reports import Kind, Place, Refused, Sampled
-from subsoil.soilmap import SoilMap
 from subsoil.stopping import Spent, Standing
 from subsoil.strategies.view import Plan
 from subsoil.survey.events import Simulation

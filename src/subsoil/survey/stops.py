@@ -12,8 +12,8 @@ from dataclasses import replace
 from math import hypot, isfinite
 
 from subsoil.errors import CorruptJournalError
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.reports import Place, Refused, Sampled, Source
-from subsoil.soilmap import SoilMap
 from subsoil.strategies.view import Plan
 from subsoil.survey.events import Amended, Assigned, Released, Withdrawn
 from subsoil.survey.state import (

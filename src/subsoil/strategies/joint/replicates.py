@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
-from subsoil.strategies.exchange import Exchange
+from subsoil.strategies.joint.exchange import Exchange
 from subsoil.strategies.view import Plan, View
 
 Floats = NDArray[np.float64]

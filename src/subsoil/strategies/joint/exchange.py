@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.kriging.designs import Designs
-from subsoil.strategies.detours import Detours
-from subsoil.strategies.terms import Price, Terms
+from subsoil.strategies.joint.detours import Detours
+from subsoil.strategies.joint.price import Price, Terms
 from subsoil.ways.access import Access
 
 Floats = NDArray[np.float64]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import fdtr, fdtri, ndtr
 
-from subsoil.soilmap import SoilMap
+from subsoil.mapping.soilmap import SoilMap
 
 Floats = NDArray[np.float64]
 

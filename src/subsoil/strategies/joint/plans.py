@@ -2,7 +2,7 @@
 
 A design that maps best strings its stops far apart; the shortest way through many stops passes
 where it learns little. Both strategies minimise the mean kriging variance of the map to come plus
-a price on every metre (:mod:`subsoil.strategies.exchange`). ``joint`` does so before leaving;
+a price on every metre (:mod:`subsoil.strategies.joint.exchange`). ``joint`` does so before leaving;
 ``joint_adaptive`` goes on doing so after every sample, under what the samples say of the soil by
 then.
 
@@ -20,9 +20,9 @@ from threadpoolctl import threadpool_limits
 from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
 from subsoil.strategies.coverage import areas, carry_on, nearest_free
-from subsoil.strategies.exchange import Exchange
-from subsoil.strategies.replicates import replicated
-from subsoil.strategies.terms import Price, Terms
+from subsoil.strategies.joint.exchange import Exchange
+from subsoil.strategies.joint.price import Price, Terms
+from subsoil.strategies.joint.replicates import replicated
 from subsoil.strategies.view import Plan, View
 from subsoil.variogram.nested import Nested
 from subsoil.variogram.pooled import Pooled
@@ -65,7 +65,7 @@ def joint(
     sweeps
         Sweeps of annealing over the stops.
     most_pushes
-        Most pushes at a stop (:mod:`subsoil.strategies.replicates`).
+        Most pushes at a stop (:mod:`subsoil.strategies.joint.replicates`).
 
     Raises
     ------

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from subsoil.errors import ReadingsError
 from subsoil.kriging import block_out, condition, leave_one_out
 from subsoil.kriging.leave_one_out import skill
-from subsoil.scores import rmse
+from subsoil.mapping.scores import rmse
 from subsoil.variogram import (
     MODELS,
     Bounded,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
 from subsoil.layers import Layers, LayerState, Sample
-from subsoil.soilmap import SoilMap
+from subsoil.mapping.soilmap import SoilMap
 from subsoil.variogram import (
     Bounded,
     BoundedLinear,

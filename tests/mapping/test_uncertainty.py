@@ -15,9 +15,9 @@ from scipy.stats import norm
 
 from subsoil.kriging import condition, over
 from subsoil.layers import Layers, Sample
-from subsoil.scores import rmse
-from subsoil.soilmap import SoilMap
-from subsoil.uncertainty import (
+from subsoil.mapping.scores import rmse
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.mapping.uncertainty import (
     MeanSquare,
     decided,
     mean_square_error,

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from subsoil.mapping.uncertainty import MeanSquare, mean_square_error, predicted_rmse
 from subsoil.stopping import FEWEST, SureRmse, TargetRmse, forecast, further
 from subsoil.survey import Survey
-from subsoil.uncertainty import MeanSquare, mean_square_error, predicted_rmse
 from subsoil.variogram import ESTIMATORS, LeastSquares
 from subsoil.ways.routing import length, reroute
 
