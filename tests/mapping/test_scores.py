@@ -16,10 +16,14 @@ from subsoil.mapping.scores import rmse
 from subsoil.variogram import (
     MODELS,
     Bounded,
+    BoundedLinear,
     Exponential,
+    Matern32,
+    Nested,
     Power,
     PureNugget,
     Spherical,
+    Structure,
     Variogram,
     semivariance,
 )
@@ -177,6 +181,45 @@ def test_a_block_is_predicted_from_the_others_alone() -> None:
         assert score.residual[0, out] == pytest.approx(z[out] - mean)
         assert score.variance[0, out] == pytest.approx(kv + 4000.0)
         assert score.mean_residual[0, out] == pytest.approx(z[out] - z[~out].mean())
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        Spherical(4000.0, 45.0, 30_000.0),
+        Exponential(0.0, 80.0, 30_000.0),
+        Power(100.0, 20.0, 1.5),
+        PureNugget(500.0),
+        BoundedLinear(100.0, 60.0, 30_000.0),
+        Nested(4e4, (Structure(0.6, Exponential, 50.0), Structure(0.3, Matern32, 120.0))),
+    ],
+    ids=lambda model: type(model).__name__,
+)
+@pytest.mark.parametrize("block", [30.0, 120.0])
+def test_blocks_in_closed_form_are_kriging_from_the_others_anew(
+    model: Variogram, block: float
+) -> None:
+    rng = np.random.default_rng(12)
+    at, z = rng.uniform(-100.0, 150.0, (80, 2)), rng.normal(1000.0, 200.0, 80)
+    at[40:44] = at[[7, 3, 3, 0]]
+    score = block_out(model, at, z, block)
+    corners = np.floor(at / block)
+    for corner in np.unique(corners, axis=0):
+        out = (corners == corner).all(axis=1)
+        mean, kv = condition(model, at[~out], z[~out]).predict(at[out])
+        assert score.residual[0, out] == pytest.approx(z[out] - mean, rel=1e-9, abs=1e-6)
+        assert score.variance[0, out] == pytest.approx(kv + model.nugget, rel=1e-9)
+        assert score.mean_residual[0, out] == pytest.approx(z[out] - z[~out].mean(), rel=1e-9)
+
+
+def test_a_linear_model_that_a_block_shows_to_be_invalid_gives_way_to_the_circular_one() -> None:
+    cells = np.stack(np.meshgrid(np.arange(8.0), np.arange(8.0)), -1).reshape(-1, 2) * 10.0
+    z = np.random.default_rng(0).normal(size=64)
+    linear = BoundedLinear(0.1007, 14.14, 1.0)
+    assert condition(linear, cells, z).variograms == (linear,)
+    score, circular = (block_out(model, cells, z, 10.0) for model in (linear, linear.circular()))
+    assert score.residual == pytest.approx(circular.residual)
+    assert score.variance == pytest.approx(circular.variance)
 
 
 def test_tiny_blocks_are_leave_one_out() -> None:

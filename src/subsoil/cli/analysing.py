@@ -20,7 +20,7 @@ from subsoil.cli.options import (
     extent_of,
     numbers,
 )
-from subsoil.cli.output import AsJson, Out, folder, tell, tell_table
+from subsoil.cli.output import AsJson, Out, folder, progress, tell, tell_table
 from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
@@ -157,9 +157,11 @@ def cv(
         "notes": (*material.notes, *_unskilled(material, scores)),
     }
     blocks = []
-    for fit, kpa in zip(fits, material.kpa, strict=True):
-        known = np.isfinite(kpa)
-        blocks.append(block_out(fit.variogram, material.at[known], kpa[known], block))
+    with progress(f"leaving {block:g} m blocks out", len(fits)) as advance:
+        for name, fit, kpa in zip(material.layers.names, fits, material.kpa, strict=True):
+            known = np.isfinite(kpa)
+            blocks.append(block_out(fit.variogram, material.at[known], kpa[known], block))
+            advance(len(blocks), name)
     rows = _score_dicts(material, fits, scores)
     for row, score in zip(rows, blocks, strict=True):
         row["block_rmse_kpa"] = float(score.rmse[0])
@@ -181,17 +183,19 @@ def _scores(
     covariate: Covariate = NO_COVARIATE,
     drift: tuple[int, ...] = (),
 ) -> list[LeaveOneOut]:
-    found = layer_scores(
-        material.at, material.kpa, [fit.variogram for fit in fits], covariate, drift
-    )
-    scores = [score for score in found if score is not None]
-    if len(scores) < len(found):
-        k = found.index(None)
-        raise ParameterError(
-            f"{np.isfinite(material.kpa[k]).sum()} readings reached the layer",
-            where=f"layer {material.layers.names[k]}",
-            remedy="leave it out with --layers",
-        )
+    scores = []
+    variograms, names = [fit.variogram for fit in fits], material.layers.names
+    found = layer_scores(material.at, material.kpa, variograms, covariate, drift)
+    with progress("leaving readings out", len(fits)) as advance:
+        for k, (name, score) in enumerate(zip(names, found, strict=True)):
+            if score is None:
+                raise ParameterError(
+                    f"{np.isfinite(material.kpa[k]).sum()} readings reached the layer",
+                    where=f"layer {name}",
+                    remedy="leave it out with --layers",
+                )
+            scores.append(score)
+            advance(len(scores), name)
     return scores
 
 

@@ -89,6 +89,13 @@ class System:
         of_first = np.einsum("gi,gi->g", self.factor.sum(axis=2), self.factor.sum(axis=2))
         return np.concatenate([of_first[:, None], squares], axis=1)
 
+    def precision_among(self, some: NDArray[np.intp]) -> Floats:
+        """(g, k, k) rows and columns of B of k of the readings."""
+        columns = self.factor[:, :, some - 1]
+        if not some.all():
+            columns[:, :, some == 0] = -self.factor.sum(axis=2, keepdims=True)
+        return np.asarray(columns.transpose(0, 2, 1) @ columns)
+
     def layers(self) -> list[slice]:
         """Layers that each of the g variograms is for."""
         m, g = len(self.readings.z), len(self.base)

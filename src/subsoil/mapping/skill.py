@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,8 @@ def layer_scores(
     variograms: Sequence[Variogram],
     covariate: Covariate = NO_COVARIATE,
     drift: Sequence[int] = (),
-) -> list[LeaveOneOut | None]:
-    """Leave-one-out scores of each layer; none where fewer than three readings reached it.
+) -> Iterator[LeaveOneOut | None]:
+    """Leave-one-out scores layer by layer; none where fewer than three readings reached it.
 
     Parameters
     ----------
@@ -37,19 +37,17 @@ def layer_scores(
     covariate, drift
         What the layers with these indices follow.
     """
-    scores: list[LeaveOneOut | None] = []
     for k, (variogram, values) in enumerate(zip(variograms, kpa, strict=True)):
         known = np.isfinite(values)
         if known.sum() < FEWEST:
-            scores.append(None)
+            yield None
             continue
         ok = condition(variogram, at[known], values[None, known])
-        scores.append(leave_one_out_with(covariate, ok) if k in drift else leave_one_out(ok))
-    return scores
+        yield leave_one_out_with(covariate, ok) if k in drift else leave_one_out(ok)
 
 
 def no_better_than_mean(
-    names: Sequence[str], scores: Sequence[LeaveOneOut | None]
+    names: Sequence[str], scores: Iterable[LeaveOneOut | None]
 ) -> Iterator[str]:
     """Name the layers in which kriging predicts left-out readings no better than their mean."""
     for name, score in zip(names, scores, strict=True):
