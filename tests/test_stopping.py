@@ -209,7 +209,7 @@ def some_map(samples: int, seed: int = 2, nugget: float = 200.0) -> SoilMap:
         )
         for e, n in field.cells[cells]
     )
-    return SoilMap(field.cells, layers, models, readings)
+    return SoilMap(field, layers, models, readings)
 
 
 def test_a_forecast_is_what_the_map_predicts_once_those_cells_are_probed() -> None:
@@ -219,7 +219,7 @@ def test_a_forecast_is_what_the_map_predicts_once_those_cells_are_probed() -> No
     for cell, rmse in zip(cells, said, strict=True):
         at = (float(soil_map.cells[cell, 0]), float(soil_map.cells[cell, 1]))
         soil_map = soil_map.append(Sample(at, np.array([700.0, 3100.0]), np.zeros(2, np.int8)))
-        fresh = SoilMap(soil_map.cells, soil_map.layers, soil_map.variograms, soil_map.samples)
+        fresh = SoilMap(soil_map.field, soil_map.layers, soil_map.variograms, soil_map.samples)
         assert predicted_rmse(fresh) == pytest.approx(rmse, rel=1e-9)
     assert (np.diff(said) < 0).all()
 
@@ -259,7 +259,7 @@ def test_a_share_is_decided_by_the_strongest_layer_that_counts() -> None:
     assert DecidedShare(1e5).measure(soil_map, ()) == 1.0
     assert DecidedShare(2000.0, confidence=0.99).measure(soil_map, ()) < 0.5
     second_only = Layers((0.0, 0.1, 0.3), (0.0, 1.0))
-    first_high = SoilMap(soil_map.cells, second_only, soil_map.variograms, soil_map.samples)
+    first_high = SoilMap(soil_map.field, second_only, soil_map.variograms, soil_map.samples)
     goal = DecidedShare(1500.0)
     below, above = soil_map.mean[1] - 1500.0, np.sqrt(soil_map.variance[1])
     share = float((np.abs(below / above) >= 0.8416212335729143).mean())

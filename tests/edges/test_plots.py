@@ -65,7 +65,7 @@ def layered(
         Sample(tuple(at), np.array(values), np.array(state, dtype=np.int8))
         for at, values, state in zip(FIELD.cells[::10].tolist(), kpa, states, strict=False)
     )
-    return SoilMap(FIELD.cells, LAYERS, models, samples)
+    return SoilMap(FIELD, LAYERS, models, samples)
 
 
 def panels(figure: Figure, number: int) -> list[Axes]:
@@ -104,7 +104,7 @@ def rendered(figure: Figure) -> bytes:
 
 def test_slices_share_one_scale_from_the_lowest_to_the_highest_mean(survey: Survey) -> None:
     soil_map = survey.soil_map
-    drawn = panels(depth_slices(soil_map, FIELD), 8)
+    drawn = panels(depth_slices(soil_map), 8)
     limits = {axes.images[0].get_clim() for axes in drawn}
     assert limits == {(soil_map.mean.min(), soil_map.mean.max())}
     assert {axes.images[0].get_cmap().name for axes in drawn} == {"viridis"}
@@ -112,7 +112,7 @@ def test_slices_share_one_scale_from_the_lowest_to_the_highest_mean(survey: Surv
 
 def test_slices_show_every_cell_where_it_lies_north_up(survey: Survey) -> None:
     soil_map = survey.soil_map
-    for k, axes in enumerate(panels(depth_slices(soil_map, FIELD), 8)):
+    for k, axes in enumerate(panels(depth_slices(soil_map), 8)):
         image = axes.images[0]
         assert image.origin == "lower"
         assert list(image.get_extent()) == [0.0, 60.0, 0.0, 40.0]
@@ -120,13 +120,13 @@ def test_slices_show_every_cell_where_it_lies_north_up(survey: Survey) -> None:
 
 
 def test_slices_are_named_after_layers_with_metres_of_equal_length(survey: Survey) -> None:
-    drawn = panels(depth_slices(survey.soil_map, FIELD), 8)
+    drawn = panels(depth_slices(survey.soil_map), 8)
     assert tuple(axes.get_title(loc="left") for axes in drawn) == Layers().names
     assert {axes.get_aspect() for axes in drawn} == {1.0}
 
 
 def test_slices_have_a_scale_bar_of_its_stated_length_and_a_north_arrow(survey: Survey) -> None:
-    figure = depth_slices(survey.soil_map, FIELD)
+    figure = depth_slices(survey.soil_map)
     bar = scale_bar(figure)
     foot = bar.axes
     assert isinstance(foot, Axes)
@@ -144,7 +144,7 @@ def test_slices_have_a_scale_bar_of_its_stated_length_and_a_north_arrow(survey: 
 
 def test_the_colour_bar_says_kpa(survey: Survey) -> None:
     soil_map = survey.soil_map
-    for figure in (depth_slices(soil_map, FIELD), std_dev(soil_map, FIELD)):
+    for figure in (depth_slices(soil_map), std_dev(soil_map)):
         assert any(axes.get_ylabel().endswith("(kPa)") for axes in figure.axes)
 
 
@@ -152,7 +152,7 @@ def test_standard_deviations_are_roots_of_variances_on_one_scale_of_their_own(
     survey: Survey,
 ) -> None:
     soil_map = survey.soil_map
-    drawn = panels(std_dev(soil_map, FIELD), 8)
+    drawn = panels(std_dev(soil_map), 8)
     for k, axes in enumerate(drawn):
         values = np.asarray(axes.images[0].get_array()).ravel()
         np.testing.assert_allclose(values**2, soil_map.variance[k], rtol=1e-12)
@@ -166,7 +166,7 @@ def test_a_sample_is_drawn_by_what_it_knows_of_the_layer() -> None:
         [[500, 900, 1200], [600, 1900, nan], [550, 950, 1250]],
         [[0, 0, 0], [0, AT_LEAST, UNREACHED], [0, 0, 0]],
     )
-    figure = depth_slices(soil_map, FIELD)
+    figure = depth_slices(soil_map)
     drawn = [
         {marks.get_label(): len(np.asarray(marks.get_offsets())) for marks in axes.collections}
         for axes in panels(figure, 3)
@@ -180,7 +180,7 @@ def test_the_way_goes_from_the_start_through_all_samples_in_order(survey: Survey
     places = way(survey)
     assert places[0].tolist() == list(survey.settings.start)
     np.testing.assert_array_equal(places[1:], survey.soil_map.at)
-    figure = depth_slices(survey.soil_map, FIELD, way=places)
+    figure = depth_slices(survey.soil_map, way=places)
     for axes in panels(figure, 8):
         assert any(points(line) == places.tolist() for line in axes.lines)
     assert {"way between samples", "start"} <= names(figure)
@@ -189,8 +189,8 @@ def test_the_way_goes_from_the_start_through_all_samples_in_order(survey: Survey
 def test_keep_outs_holes_and_refused_stops_are_drawn(survey: Survey) -> None:
     ring = [(20, 10), (30, 10), (30, 20), (20, 20)]
     field = replace(FIELD, keep_outs=(Field.from_metres(ring).boundary,))
-    soil_map = SoilMap(field.cells, Layers(), survey.soil_map.variograms, survey.soil_map.samples)
-    figure = depth_slices(soil_map, field, refused=field.cells[[3, 7]])
+    soil_map = SoilMap(field, Layers(), survey.soil_map.variograms, survey.soil_map.samples)
+    figure = depth_slices(soil_map, refused=field.cells[[3, 7]])
     for axes in panels(figure, 8):
         assert len(axes.patches) == 1
         assert axes.patches[0].get_hatch()
@@ -199,7 +199,7 @@ def test_keep_outs_holes_and_refused_stops_are_drawn(survey: Survey) -> None:
 
 def test_a_layer_that_no_sample_measured_says_so() -> None:
     soil_map = layered([[500, 900, np.nan]], [[0, 0, UNREACHED]])
-    drawn = panels(depth_slices(soil_map, FIELD), 3)
+    drawn = panels(depth_slices(soil_map), 3)
     assert [any("no sample" in text for text in texts(axes)) for axes in drawn] == [
         False,
         False,
@@ -230,23 +230,23 @@ def test_the_first_samples_of_a_survey_can_be_drawn(
         figure.draw_without_rendering()
 
 
-@pytest.mark.parametrize("draw", [depth_slices, std_dev, lambda m, _: profiles(m)])
+@pytest.mark.parametrize("draw", [depth_slices, std_dev, profiles])
 def test_without_a_sample_there_is_one_line_saying_so(
-    draw: Callable[[SoilMap, Field], Figure],
+    draw: Callable[[SoilMap], Figure],
 ) -> None:
     with pytest.raises(ReadingsError, match="nothing to draw: no sample"):
-        draw(SoilMap(FIELD.cells, LAYERS), FIELD)
+        draw(SoilMap(FIELD, LAYERS))
 
 
 def test_alike_values_can_be_drawn() -> None:
     soil_map = layered([[700.0] * 3] * 4, [[0] * 3] * 4)
-    low, high = depth_slices(soil_map, FIELD).axes[0].images[0].get_clim()
+    low, high = depth_slices(soil_map).axes[0].images[0].get_clim()
     assert low < 700.0 < high
 
 
 def test_a_name_is_text_and_never_a_formula(survey: Survey) -> None:
-    field = replace(FIELD, name="$\\frac{oops$")
-    figure = depth_slices(survey.soil_map, field, caption="50 $ a sample, 60 $ an hour")
+    named = replace(survey.soil_map, field=replace(FIELD, name="$\\frac{oops$"))
+    figure = depth_slices(named, caption="50 $ a sample, 60 $ an hour")
     assert rendered(figure).startswith(b"\x89PNG")
     assert any("$\\frac{oops$" in text.get_text() for text in figure.texts)
 
@@ -265,9 +265,9 @@ def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
         )
         for k, at in enumerate(field.cells[::40].tolist())
     )
-    soil_map = SoilMap(field.cells, bands, (Spherical(1.0, 50.0, 9.0),) * layers, samples)
+    soil_map = SoilMap(field, bands, (Spherical(1.0, 50.0, 9.0),) * layers, samples)
     figure = depth_slices(
-        soil_map, field, way=soil_map.at, refused=field.cells[[5]], caption="a caption " * 8
+        soil_map, way=soil_map.at, refused=field.cells[[5]], caption="a caption " * 8
     )
     assert_legible(figure)
     assert not scale_bar(figure).get_window_extent().overlaps(figure.legends[0].get_window_extent())
@@ -394,7 +394,7 @@ def test_variograms_show_the_circular_model_where_kriging_had_to_use_it() -> Non
         Sample(tuple(at), np.array([500.0 + rng.normal()]), np.zeros(1, np.int8))
         for at in cells.tolist()
     )
-    soil_map = SoilMap(FIELD.cells, Layers((0.0, 0.2)), (linear,), samples)
+    soil_map = SoilMap(FIELD, Layers((0.0, 0.2)), (linear,), samples)
     fitted = LeastSquares(BoundedLinear)(soil_map.at, soil_map.kpa)
     figure = variograms([replace(fitted[0], variogram=linear)], soil_map)
     (axes,) = figure.axes
@@ -412,7 +412,7 @@ def test_pairs_of_close_bins_are_written_apart() -> None:
         for at in rng.choice(FIELD.cells, 60, replace=False)
     )
     models = (Spherical(100.0, 30.0, 5000.0),) * 8
-    soil_map = SoilMap(FIELD.cells, Layers(), models, samples)
+    soil_map = SoilMap(FIELD, Layers(), models, samples)
     assert_legible(variograms(LeastSquares(Spherical)(soil_map.at, soil_map.kpa), soil_map))
 
 
@@ -457,7 +457,7 @@ def test_profiles_variograms_and_learning_curves_are_legible(
 
 
 def test_figures_of_readings_are_png_files(survey: Survey, fits: Fits, tmp_path: Path) -> None:
-    paths = readings_figures(survey.soil_map, FIELD, fits, tmp_path)
+    paths = readings_figures(survey.soil_map, fits, tmp_path)
     assert [path.name for path in paths] == [
         "depth_slices.png",
         "std_dev.png",

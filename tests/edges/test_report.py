@@ -97,7 +97,7 @@ def test_a_report_gives_the_numbers_of_the_survey(
     survey: Survey, history: History, fits: Fits
 ) -> None:
     text = words_of(survey, history, fits)
-    kv = survey.soil_map.mean_kv
+    kv = survey.soil_map.field_kv
     for words in (
         "0.24 ha, 96 cells of 5 m",
         "none: a local frame",
@@ -167,7 +167,7 @@ def test_a_report_warns_of_bounds_priors_and_refusals(
     samples = (*soil_map.samples[:-1], replace(last, state=state))
     changed = replace(
         survey,
-        soil_map=SoilMap(soil_map.cells, soil_map.layers, soil_map.variograms, samples),
+        soil_map=SoilMap(soil_map.field, soil_map.layers, soil_map.variograms, samples),
         stops=(*survey.stops, stony_stop(survey)),
     )
     own = (replace(fits[0], is_prior=True), *fits[1:])
@@ -184,7 +184,7 @@ def test_a_report_passes_on_the_notes_of_the_map(
     cells = np.random.default_rng(0).choice(survey.field.cells, 40, replace=False)
     samples = tuple(Sample(tuple(at), np.full(8, 700.0), np.zeros(8, np.int8)) for at in cells)
     linear = BoundedLinear(0.0, 15.0, 100.0)
-    soil_map = SoilMap(survey.field.cells, survey.layers, (linear,) * 8, samples)
+    soil_map = SoilMap(survey.field, survey.layers, (linear,) * 8, samples)
     (note,) = soil_map.notes
     text = words_of(replace(survey, soil_map=soil_map), history, fits)
     assert note in text

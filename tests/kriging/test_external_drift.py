@@ -15,10 +15,11 @@ from pykrige.uk import UniversalKriging
 from scipy.cluster.vq import kmeans2
 
 from subsoil.errors import ParameterError, SingularSystemError
+from subsoil.field import Field
 from subsoil.kriging import condition, over
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted, leave_one_out_with
 from subsoil.layers import Layers, LayerState, Sample
-from subsoil.mapping.fit import FEWEST_SAMPLES, DriftRule, helped, learn
+from subsoil.mapping.drift_choice import FEWEST_SAMPLES, DriftRule, helped, learn
 from subsoil.mapping.scores import rmse
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.simulation import Truth
@@ -205,10 +206,13 @@ def samples_of(at: Floats, z: Floats) -> tuple[Sample, ...]:
     )
 
 
+LAND = Field.from_metres([(0, 0), (120, 0), (120, 120), (0, 120)], cell_size=12.0)
+
+
 def mapped(seed: int, drift: tuple[int, ...], nested: bool = False) -> SoilMap:
     at, z, covariate = field_of(seed)
     models = tuple(NESTED.with_sill(sill) for sill in SILLS) if nested else MODELS
-    return SoilMap(covariate.at[25:], LAYERS, models, samples_of(at, z), covariate, drift)
+    return SoilMap(LAND, LAYERS, models, samples_of(at, z), covariate, drift)
 
 
 @pytest.mark.parametrize("nested", [False, True])
@@ -249,7 +253,7 @@ def test_the_fall_of_kv_counts_what_is_learnt_of_the_slope() -> None:
 
 def test_a_map_of_some_of_the_cells_follows_the_covariate_too() -> None:
     soil_map = mapped(12, (0, 1, 2))
-    some = replace(soil_map, cells=soil_map.cells[::3])
+    some = replace(soil_map, subset=tuple(range(0, len(soil_map.cells), 3)))
     assert_allclose(some.mean, soil_map.mean[:, ::3], rtol=1e-12)
 
 
@@ -347,7 +351,7 @@ def changes(r: float, rule: DriftRule, fields: int, n: int = 30) -> tuple[Floats
         flat = np.zeros(len(truth.layers), dtype=np.int8)
         samples = tuple(Sample(tuple(cells[c]), truth.reading(c), flat) for c in probed)
         x = correlated(truth, truths[k - 1], r)
-        soil_map = SoilMap(cells, truth.layers, samples=(), covariate=x)
+        soil_map = SoilMap(truth.field, truth.layers, samples=(), covariate=x)
         at, z = cells[probed], np.array([s.kpa for s in samples]).T
         errors = []
         for which in ("never", rule):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
+from subsoil.field import Field
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.variogram import (
@@ -33,7 +34,8 @@ MODELS: tuple[Bounded, ...] = (
     Exponential(200.0, 40.0, 1800.0),
     Spherical(0.0, 35.0, 4000.0),
 )
-CELLS = np.column_stack([k.ravel() for k in np.meshgrid(np.arange(6.0), np.arange(5.0))]) * 10 + 5
+FIELD = Field.from_metres([(0, 0), (60, 0), (60, 50), (0, 50)], cell_size=10.0)
+CELLS = FIELD.cells
 DEPTHS = {
     "all": (MEASURED, MEASURED, MEASURED),
     "two": (MEASURED, MEASURED, AT_LEAST),
@@ -52,7 +54,7 @@ def sample(cell: int, depth: str = "all", error: float = 0.0, aside: float = 0.0
 
 
 def mapped(*samples: Sample, models: tuple[Variogram, ...] = MODELS) -> SoilMap:
-    return SoilMap(CELLS, LAYERS, models, samples)
+    return SoilMap(FIELD, LAYERS, models, samples)
 
 
 def kriged(layer: int, samples: tuple[Sample, ...]) -> tuple[Floats, Floats]:
@@ -132,7 +134,7 @@ def test_the_order_of_samples_does_not_matter(
 
 def test_two_maps_may_grow_from_one() -> None:
     stem = mapped(sample(0), sample(17))
-    assert stem.mean_kv > 0
+    assert stem.field_kv > 0
     one, other = stem.append(sample(5)), stem.append(sample(29, "two"))
     same(one, mapped(sample(0), sample(17), sample(5)))
     same(other, mapped(sample(0), sample(17), sample(29, "two")))
@@ -141,19 +143,19 @@ def test_two_maps_may_grow_from_one() -> None:
 
 def test_a_sample_at_a_place_already_sampled_is_averaged_with_it() -> None:
     stem = mapped(sample(0), sample(17))
-    assert stem.mean_kv > 0
+    assert stem.field_kv > 0
     again = replace(sample(17), kpa=np.array([500.0, 500.0, 500.0]))
     same(stem.append(again), mapped(sample(0), sample(17), again))
-    assert stem.append(again).mean_kv < stem.mean_kv
+    assert stem.append(again).field_kv < stem.field_kv
 
 
 def test_a_map_with_other_samples_or_cells_knows_nothing_of_what_was_kriged() -> None:
     stem = mapped(sample(0), sample(17))
-    assert stem.mean_kv > 0
+    assert stem.field_kv > 0
     grown = stem.append(sample(5))
     others = (sample(3), sample(4), sample(9))
     same(replace(grown, samples=others), mapped(*others))
-    fewer = replace(grown, cells=CELLS[:4])
+    fewer = replace(grown, subset=(0, 1, 2, 3))
     assert fewer.kv == pytest.approx(grown.kv[:4])
 
 
@@ -169,17 +171,17 @@ def test_a_map_without_samples_knows_nothing() -> None:
     assert np.isnan(empty.mean).all()
     assert np.isnan(empty.variance).all()
     assert np.isnan(empty.kv).all()
-    assert np.isnan(empty.mean_kpa).all()
-    assert np.isnan(empty.mean_kv)
+    assert np.isnan(empty.profile_mean).all()
+    assert np.isnan(empty.field_kv)
     assert empty.kpa.shape == (3, 0)
     assert empty.at.shape == (0, 2)
     assert empty.notes == ()
-    assert SoilMap(CELLS, LAYERS).notes == ()
+    assert SoilMap(FIELD, LAYERS).notes == ()
 
 
 def test_samples_without_a_variogram_a_layer_are_refused() -> None:
     with pytest.raises(ParameterError, match="2 variograms for 3 layers"):
-        SoilMap(CELLS, LAYERS, MODELS[:2], (sample(0),))
+        SoilMap(FIELD, LAYERS, MODELS[:2], (sample(0),))
 
 
 def test_one_sample_is_the_mean_everywhere() -> None:
@@ -190,15 +192,15 @@ def test_one_sample_is_the_mean_everywhere() -> None:
 def test_kv_is_the_weighted_mean_over_the_layers_that_a_sample_reached() -> None:
     soil_map = mapped(sample(0), sample(20))
     assert soil_map.kv == pytest.approx(np.array([0.25, 0.5, 0.25]) @ soil_map.variance)
-    assert soil_map.mean_kpa == pytest.approx(np.array([0.25, 0.5, 0.25]) @ soil_map.mean)
-    assert soil_map.mean_kv == pytest.approx(soil_map.kv.mean())
+    assert soil_map.profile_mean == pytest.approx(np.array([0.25, 0.5, 0.25]) @ soil_map.mean)
+    assert soil_map.field_kv == pytest.approx(soil_map.kv.mean())
     shallow = mapped(sample(0, "two"), sample(20, "two"))
     assert shallow.kv == pytest.approx((shallow.variance[0] + 2 * shallow.variance[1]) / 3)
 
 
 def test_where_no_layer_that_counts_was_reached_there_is_no_kv() -> None:
     deep = Layers(LAYERS.edges_m, (0.0, 0.0, 1.0))
-    soil_map = SoilMap(CELLS, deep, MODELS, (sample(0, "two"), sample(3, "two")))
+    soil_map = SoilMap(FIELD, deep, MODELS, (sample(0, "two"), sample(3, "two")))
     assert np.isfinite(soil_map.mean[:2]).all()
     assert np.isnan(soil_map.kv).all()
     assert (soil_map.kv_drop([4]) == 0).all()
@@ -235,11 +237,11 @@ def test_a_refit_krige_anew_and_leaves_the_old_map_alone() -> None:
 
 @pytest.mark.parametrize("n", range(7))
 def test_a_map_of_any_number_of_samples_can_be_fitted_and_kriged(n: int) -> None:
-    soil_map = SoilMap(CELLS, LAYERS)
+    soil_map = SoilMap(FIELD, LAYERS)
     samples = tuple(sample(4 * k) for k in range(n))
     read = replace(mapped(), samples=samples)
     models = [fit.variogram for fit in paper_10(read.at, read.kpa)]
-    fitted = SoilMap(CELLS, LAYERS, tuple(models), samples)
+    fitted = SoilMap(FIELD, LAYERS, tuple(models), samples)
     assert len(models) == 3
     assert np.isfinite(fitted.kv).all() == (n > 0)
     assert soil_map.samples == ()
@@ -247,7 +249,7 @@ def test_a_map_of_any_number_of_samples_can_be_fitted_and_kriged(n: int) -> None
 
 def test_results_cannot_be_written_to() -> None:
     soil_map = mapped(sample(0), sample(20))
-    for array in (soil_map.mean, soil_map.variance, soil_map.kv, soil_map.mean_kpa):
+    for array in (soil_map.mean, soil_map.variance, soil_map.kv, soil_map.profile_mean):
         with pytest.raises(ValueError, match="read-only"):
             array[..., 0] = 0.0
 

@@ -13,6 +13,7 @@ from scipy.spatial.distance import cdist
 from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
+from subsoil.field import Field
 from subsoil.kriging import condition, over
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.scores import rmse
@@ -29,19 +30,19 @@ from subsoil.variogram import Exponential, Spherical
 
 Floats = NDArray[np.float64]
 
-EAST, NORTH = np.meshgrid(5.0 * np.arange(12) + 2.5, 5.0 * np.arange(9) + 2.5)
-CELLS = np.column_stack([EAST.ravel(), NORTH.ravel()])
+FIELD = Field.from_metres([(0, 0), (60, 0), (60, 45), (0, 45)])
+CELLS = FIELD.cells
 NUGGET, RANGE = 0.25, 12.0
 REPEATS = 400
 
 
 def sampled(
-    at: Floats, kpa: Floats, variograms: tuple[Exponential, ...], cells: Floats = CELLS
+    at: Floats, kpa: Floats, variograms: tuple[Exponential, ...], subset: tuple[int, ...] = ()
 ) -> SoilMap:
     layers = Layers(tuple(np.linspace(0.0, 0.4, len(kpa) + 1)))
     state = np.zeros(len(kpa), dtype=np.int8)
     samples = tuple(Sample((e, n), z, state) for (e, n), z in zip(at.tolist(), kpa.T, strict=True))
-    return SoilMap(cells, layers, variograms, samples)
+    return SoilMap(FIELD, layers, variograms, samples, subset=subset)
 
 
 def surveys(samples: int, layers: int, alike: float, seed: int) -> list[tuple[MeanSquare, float]]:
@@ -152,9 +153,8 @@ def test_a_map_of_one_sample_says_nothing_of_its_error() -> None:
 
 
 def test_a_map_without_error_is_known_to_have_none() -> None:
-    cells = CELLS[:4]
     model = Exponential(0.0, RANGE, 900.0)
-    soil_map = sampled(cells, np.array([[900.0, 800.0, 850.0, 900.0]]), (model,), cells)
+    soil_map = sampled(CELLS[:4], np.array([[900.0, 800.0, 850.0, 900.0]]), (model,), (0, 1, 2, 3))
     error = mean_square_error(soil_map)
     assert error.probability(1e-9) == 1.0
     assert error.rmse(0.99) == 0.0

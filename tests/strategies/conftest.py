@@ -54,7 +54,7 @@ def look() -> Look:
         return View(
             field=field,
             access=OpenLand(field),
-            soil_map=SoilMap(field.cells, layers, variograms, samples),
+            soil_map=SoilMap(field, layers, variograms, samples),
             position=at[visited[-1]] if visited else (0.0, 0.0),
             plan=plan,
             visited=visited,

@@ -33,7 +33,7 @@ SGP_TOOLS = {15: (0.5884, 487.0), 20: (0.5382, 572.0), 30: (0.4700, 681.0), 50: 
 
 
 def view(field: Field, budget: int, seed: int = 1) -> View:
-    empty = SoilMap(field.cells, Layers())
+    empty = SoilMap(field, Layers())
     return View(
         field,
         OpenLand(field),

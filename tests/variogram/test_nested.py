@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
+from subsoil.field import Field
 from subsoil.kriging import condition
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.soilmap import SoilMap
@@ -142,9 +143,12 @@ def test_it_has_a_name_for_people() -> None:
 # Maps of layers that share a shape.
 
 
+LAND = Field.from_metres([(0, 0), (150, 0), (150, 150), (0, 150)], cell_size=25.0)
+
+
 def mapped(seed: int, sills: tuple[float, ...] = (90.0, 400.0, 7.0)) -> SoilMap:
     """Map of thirty samples, every third of which ended above the last layer."""
-    at, z, cells = scene(seed)
+    at, z, _ = scene(seed)
     samples = []
     for k, (place, full) in enumerate(zip(at.tolist(), z.T, strict=True)):
         state, kpa = np.zeros(3, dtype=np.int8), full
@@ -153,7 +157,7 @@ def mapped(seed: int, sills: tuple[float, ...] = (90.0, 400.0, 7.0)) -> SoilMap:
             kpa = np.where(state == LayerState.UNREACHED, np.nan, full)
         samples.append(Sample(tuple(place), kpa, state))
     models = tuple(MODEL.with_sill(sill) for sill in sills)
-    return SoilMap(cells, LAYERS, models, tuple(samples))
+    return SoilMap(LAND, LAYERS, models, tuple(samples))
 
 
 def test_layers_of_one_shape_are_kriged_as_each_with_its_own_model() -> None:
@@ -168,7 +172,7 @@ def test_layers_of_one_shape_are_kriged_as_each_with_its_own_model() -> None:
 
 def test_a_map_of_one_shape_grows_by_samples_and_equals_one_made_anew() -> None:
     whole = mapped(4)
-    grown = SoilMap(whole.cells, LAYERS, whole.variograms, whole.samples[:5])
+    grown = SoilMap(whole.field, LAYERS, whole.variograms, whole.samples[:5])
     for sample in whole.samples[5:]:
         _ = grown.kv
         grown = grown.append(sample)
@@ -189,7 +193,7 @@ def test_the_fall_of_kv_is_in_the_layers_units() -> None:
 def test_errors_of_samples_are_in_units_of_the_data_whatever_the_sills() -> None:
     soil_map = mapped(6)
     noisy = tuple(Sample(s.at, s.kpa, s.state, 25.0) for s in soil_map.samples)
-    found = SoilMap(soil_map.cells, LAYERS, soil_map.variograms, noisy)
+    found = SoilMap(soil_map.field, LAYERS, soil_map.variograms, noisy)
     for k, model in enumerate(soil_map.variograms):
         reached = np.isfinite(soil_map.kpa[k])
         ok = condition(model, soil_map.at[reached], soil_map.kpa[k, reached], error_variance=25.0)
@@ -200,6 +204,6 @@ def test_errors_of_samples_are_in_units_of_the_data_whatever_the_sills() -> None
 
 def test_the_order_of_samples_does_not_matter() -> None:
     soil_map = mapped(7)
-    turned = SoilMap(soil_map.cells, LAYERS, soil_map.variograms, soil_map.samples[::-1])
+    turned = SoilMap(soil_map.field, LAYERS, soil_map.variograms, soil_map.samples[::-1])
     assert_allclose(soil_map.mean, turned.mean, rtol=1e-9)
     assert_allclose(soil_map.variance, turned.variance, rtol=1e-8)

@@ -152,7 +152,7 @@ def test_a_way_is_as_long_as_it_says(access: Access) -> None:
 
 
 def view(access: Access, field: Field, budget: int = 8) -> View:
-    empty = SoilMap(field.cells, Layers())
+    empty = SoilMap(field, Layers())
     rng = np.random.default_rng(1)
     return View(field, access, empty, START, (), (), (), budget, fresh=True, rng=rng)
 

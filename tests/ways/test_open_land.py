@@ -266,7 +266,7 @@ def test_the_way_in_a_figure_goes_around_a_keep_out() -> None:
     model = Spherical(100.0, 40.0, 900.0)
     state = replace(
         opened(opening(SHED, layers, SMALL_CONE)),
-        soil_map=SoilMap(SHED.cells, layers, (model,), tuple(samples)),
+        soil_map=SoilMap(SHED, layers, (model,), tuple(samples)),
     )
     assert drawn_way(state).tolist() == [[20, 25], [40, 20], [60, 20], [80, 25]]
 

@@ -27,7 +27,7 @@ from subsoil.io.rasters import write_geotiffs
 from subsoil.kriging import LeaveOneOut, block_out
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.kriging.memory import check_memory
-from subsoil.mapping.fit import learn
+from subsoil.mapping.drift_choice import learn
 from subsoil.mapping.skill import layer_scores, no_better_than_mean
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots import readings_figures
@@ -74,20 +74,20 @@ def make_map(
     learnt = learn(material.at, material.kpa, known, chosen, rule_named(drift))
     fits = learnt.fits
     soil_map = SoilMap(
-        field.cells, material.layers, tuple(fit.variogram for fit in fits), material.samples,
+        field, material.layers, tuple(fit.variogram for fit in fits), material.samples,
         known, learnt.drift, material.simulated,
     )  # fmt: skip
     scores = _scores(material, fits, known, learnt.drift)
     unskilled = _unskilled(material, scores)
-    rasters = write_geotiffs(soil_map, field, folder(out))
-    figures = readings_figures(soil_map, field, fits, out)
+    rasters = write_geotiffs(soil_map, folder(out))
+    figures = readings_figures(soil_map, fits, out)
     result = {
         "readings": readings,
         "field": field.name,
         "area_ha": field.area_ha,
         "samples": len(material.samples),
         "refused": material.refused,
-        "std_dev_kpa": float(np.sqrt(soil_map.mean_kv)),
+        "std_dev_kpa": float(np.sqrt(soil_map.field_kv)),
         "notes": tuple(dict.fromkeys((*material.notes, *soil_map.notes, *unskilled))),
         "drift": [material.layers.names[k] for k in learnt.drift],
         "maps": rasters,

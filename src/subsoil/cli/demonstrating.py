@@ -78,7 +78,7 @@ def demo(
     with create(path, opening(land, layers, SMALL_CONE)) as journal:
         survey, history = _survey(journal, settings, truth, simulation_of(truth, field, seed))
     fits = fits_of(survey)
-    rasters = write_geotiffs(survey.soil_map, land, out)
+    rasters = write_geotiffs(survey.soil_map, out)
     _, digest = last_event(path)
     report = write_report(survey, history, fits, out, fingerprint=fingerprint(digest))
     result = {

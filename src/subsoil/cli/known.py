@@ -11,7 +11,7 @@ from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.io.covariate import read_covariate
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
-from subsoil.mapping.fit import DriftRule
+from subsoil.mapping.drift_choice import DriftRule
 
 CovariateFile = Annotated[
     Path | None,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from subsoil.errors import ParameterError
 from subsoil.field import Field
 from subsoil.layers import Layers
-from subsoil.mapping.fit import DriftRule
+from subsoil.mapping.drift_choice import DriftRule
 from subsoil.registry import NOBODY, module_of
 from subsoil.stopping import Goal, Rates
 from subsoil.strategies import strategy_named

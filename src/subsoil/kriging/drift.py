@@ -10,8 +10,8 @@ like one more layer, y_x = W (x - x1), it needs no other system than that of ord
     mean(t)     = OK mean(t) + b e(t)
     variance(t) = OK variance(t) + e(t)^2 / (y_x . y_x)
 
-A covariate that has nothing to do with the soil costs accuracy: :mod:`subsoil.mapping.fit` asks
-the readings first.
+A covariate that has nothing to do with the soil costs accuracy:
+:mod:`subsoil.mapping.drift_choice` asks the readings first.
 """
 
 from __future__ import annotations

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
-from dataclasses import InitVar, dataclass, field, replace
+from dataclasses import InitVar, dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ParameterError
+from subsoil.field import Field
 from subsoil.kriging import Kriged, condition, over
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
 from subsoil.layers import Layers, Sample
 from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 Floats = NDArray[np.float64]
 
@@ -61,8 +67,8 @@ class SoilMap:
 
     Parameters
     ----------
-    cells
-        (N, 2) cell centres in m.
+    field
+        The field of N cells that is mapped.
     layers
         Depth bands, m of them.
     variograms
@@ -75,6 +81,8 @@ class SoilMap:
         Indices of the layers that follow it, by kriging with external drift.
     simulated
         Whether the samples are of a soil that was drawn: whatever shows the map says so.
+    subset
+        Indices of the cells to krige, where a part of the field is enough; empty for all.
     kriged
         Stacks of the same cells and variograms and the first of the samples, to go on from:
         what :meth:`append` hands on. They change what a result costs and not what it is, and do
@@ -93,20 +101,21 @@ class SoilMap:
     >>> model = Spherical(nugget=100.0, range=30.0, psill=900.0)
     >>> first = Sample((2.5, 2.5), np.array([800.0]), np.zeros(1, dtype=np.int8))
     >>> second = Sample((37.5, 27.5), np.array([900.0]), np.zeros(1, dtype=np.int8))
-    >>> soil_map = SoilMap(field.cells, layers, (model,), (first, second))
-    >>> soil_map.mean_kpa[[0, -1]].round(1), soil_map.kv[[0, -1]].round(1)
+    >>> soil_map = SoilMap(field, layers, (model,), (first, second))
+    >>> soil_map.profile_mean[[0, -1]].round(1), soil_map.kv[[0, -1]].round(1)
     (array([805., 895.]), array([95., 95.]))
     """
 
-    cells: Floats
+    field: Field
     layers: Layers
     variograms: tuple[Variogram, ...] = ()
     samples: tuple[Sample, ...] = ()
     covariate: Covariate = NO_COVARIATE
     drift: tuple[int, ...] = ()
     simulated: bool = False
+    subset: tuple[int, ...] = ()
     kriged: InitVar[tuple[Stack, ...]] = ()
-    _start: tuple[Stack, ...] = field(init=False, repr=False, compare=False)
+    _start: tuple[Stack, ...] = dataclasses.field(init=False, repr=False, compare=False)
 
     def __post_init__(self, kriged: tuple[Stack, ...]) -> None:
         object.__setattr__(self, "_start", kriged)
@@ -120,6 +129,11 @@ class SoilMap:
             raise ParameterError(
                 "layers follow a covariate and there is none", where="soil map, drift"
             )
+
+    @cached_property
+    def cells(self) -> Floats:
+        """(N, 2) centres of the kriged cells in m."""
+        return self.field.cells[list(self.subset)] if self.subset else self.field.cells
 
     def append(self, sample: Sample) -> SoilMap:
         """Map with one more sample under the same variograms.
@@ -209,12 +223,12 @@ class SoilMap:
         return self._averaged(self.variance)
 
     @cached_property
-    def mean_kv(self) -> float:
+    def field_kv(self) -> float:
         """Field average of :attr:`kv` in kPa2."""
         return float(self.kv.mean())
 
     @cached_property
-    def mean_kpa(self) -> Floats:
+    def profile_mean(self) -> Floats:
         """(N,) kriged kPa of each cell, averaged over the layers by their weights, as in kv."""
         return self._averaged(self.mean)
 
@@ -235,6 +249,18 @@ class SoilMap:
             reached[list(stack.layers)] = 1.0
         weights: Floats = reached * self.layers.weights
         return weights / (weights.sum() or 1.0)
+
+    def to_xarray(self) -> Dataset:
+        """The map as an :class:`xarray.Dataset`; see :func:`subsoil.mapping.dataset.dataset_of`.
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
+        """
+        from subsoil.mapping.dataset import dataset_of  # xarray is loaded where it is asked for
+
+        return dataset_of(self)
 
     def kv_drop(self, candidates: ArrayLike) -> Floats:
         """(k, N) fall of :attr:`kv` everywhere if one of k cells were probed next.

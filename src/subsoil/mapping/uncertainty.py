@@ -78,7 +78,7 @@ def predicted_rmse(soil_map: SoilMap) -> float:
 
     NaN before the second sample: one tells nothing of how much the soil varies.
     """
-    return float(standard_deviation(soil_map.mean_kv)) if len(soil_map.samples) > 1 else nan
+    return float(standard_deviation(soil_map.field_kv)) if len(soil_map.samples) > 1 else nan
 
 
 def mean_square_error(soil_map: SoilMap) -> MeanSquare:
@@ -104,8 +104,8 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
     n = len(soil_map.samples)
     if n < 2:
         return MeanSquare(nan, nan, nan)
-    if not soil_map.mean_kv > 0:
-        return MeanSquare(soil_map.mean_kv, nan, nan)
+    if not soil_map.field_kv > 0:
+        return MeanSquare(soil_map.field_kv, nan, nan)
     mean, square = np.zeros(len(soil_map.layers)), np.zeros(len(soil_map.layers))
     cells = spaced(len(soil_map.cells))
     for stack in soil_map.stacks:
@@ -116,7 +116,7 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
     total = float(weights @ mean) ** 2
     errors = total / float((weights * np.sqrt(square)) @ likeness @ (weights * np.sqrt(square)))
     sills = (n - 1) * total / float((weights * mean) @ likeness @ (weights * mean))
-    return MeanSquare(soil_map.mean_kv, errors, sills)
+    return MeanSquare(soil_map.field_kv, errors, sills)
 
 
 def probability_above(mean: ArrayLike, deviation: ArrayLike, threshold: float) -> Floats:

@@ -29,11 +29,9 @@ DPI = 150
 """Dots per inch of a PNG file."""
 
 
-def readings_figures(
-    soil_map: SoilMap, field: Field, fits: Sequence[Fit], folder: Path
-) -> tuple[Path, ...]:
+def readings_figures(soil_map: SoilMap, fits: Sequence[Fit], folder: Path) -> tuple[Path, ...]:
     """Save the pictures of :func:`draw_readings` as PNG files in a folder; returns their paths."""
-    return _save(draw_readings(soil_map, field, fits), folder)
+    return _save(draw_readings(soil_map, fits), folder)
 
 
 def survey_figures(
@@ -43,15 +41,13 @@ def survey_figures(
     return _save(draw_survey(survey, history, fits), folder)
 
 
-def draw_readings(soil_map: SoilMap, field: Field, fits: Sequence[Fit]) -> dict[str, Figure]:
+def draw_readings(soil_map: SoilMap, fits: Sequence[Fit]) -> dict[str, Figure]:
     """Depth slices, standard deviations, variograms and profiles of a map of readings, by name.
 
     Parameters
     ----------
     soil_map
         Map of the readings.
-    field
-        The field that was mapped.
     fits
         How the variograms were come by, one a layer.
 
@@ -64,10 +60,10 @@ def draw_readings(soil_map: SoilMap, field: Field, fits: Sequence[Fit]) -> dict[
     MissingExtraError
         If matplotlib is not installed.
     """
-    caption = _samples(len(soil_map.samples)) + _origin(soil_map)
+    field, caption = soil_map.field, _samples(len(soil_map.samples)) + _origin(soil_map)
     return {
-        "depth_slices": depth_slices(soil_map, field, caption=_on_land(caption, field)),
-        "std_dev": std_dev(soil_map, field, caption=_on_land(caption, field)),
+        "depth_slices": depth_slices(soil_map, caption=_on_land(caption, field)),
+        "std_dev": std_dev(soil_map, caption=_on_land(caption, field)),
         "variograms": variograms(fits, soil_map, caption=caption),
         "profiles": profiles(soil_map, caption=caption),
     }
@@ -103,7 +99,6 @@ def draw_survey(
     )
     slices = depth_slices(
         soil_map,
-        field,
         way=way(survey),
         refused=field.cells[list(survey.refused)],
         caption=_on_land(caption, field),
@@ -111,7 +106,7 @@ def draw_survey(
     curves = {"learning_curves": learning_curves(history, caption=caption)} if history else {}
     return {
         "depth_slices": slices,
-        "std_dev": std_dev(soil_map, field, caption=_on_land(caption, field)),
+        "std_dev": std_dev(soil_map, caption=_on_land(caption, field)),
         **curves,
         "variograms": variograms(fits, soil_map, caption=caption),
         "profiles": profiles(soil_map, caption=caption),

@@ -48,7 +48,6 @@ class _Scale:
 
 def depth_slices(
     soil_map: SoilMap,
-    field: Field,
     *,
     way: ArrayLike = (),
     refused: ArrayLike = (),
@@ -60,8 +59,6 @@ def depth_slices(
     ----------
     soil_map
         Map to draw.
-    field
-        The field that was mapped.
     way
         (k, 2) places in m, in order, from the start on.
     refused
@@ -76,9 +73,9 @@ def depth_slices(
     MissingExtraError
         If matplotlib is not installed.
     """
-    scale = _scale("viridis", soil_map.mean, "kriged mean (kPa)", field)
-    title = f"Penetration resistance by depth, {field.name}"
-    figure, panels = _maps(soil_map, field, soil_map.mean, scale, title, caption)
+    scale = _scale("viridis", soil_map.mean, "kriged mean (kPa)", soil_map.field)
+    title = f"Penetration resistance by depth, {soil_map.field.name}"
+    figure, panels = _maps(soil_map, soil_map.mean, scale, title, caption)
     line, crosses = _places(way), _places(refused)
     for axes in panels:
         if len(line):
@@ -89,15 +86,13 @@ def depth_slices(
     return figure
 
 
-def std_dev(soil_map: SoilMap, field: Field, *, caption: str = "") -> Figure:
+def std_dev(soil_map: SoilMap, *, caption: str = "") -> Figure:
     """Kriging standard deviation of every layer, with the samples.
 
     Parameters
     ----------
     soil_map
         Map to draw.
-    field
-        The field that was mapped.
     caption
         What to say under the title.
 
@@ -109,17 +104,18 @@ def std_dev(soil_map: SoilMap, field: Field, *, caption: str = "") -> Figure:
         If matplotlib is not installed.
     """
     values = standard_deviation(soil_map.variance)
-    scale = _scale("magma", values, "standard deviation (kPa)", field)
-    title = f"Kriging standard deviation by depth, {field.name}"
-    figure, panels = _maps(soil_map, field, values, scale, title, caption)
+    scale = _scale("magma", values, "standard deviation (kPa)", soil_map.field)
+    title = f"Kriging standard deviation by depth, {soil_map.field.name}"
+    figure, panels = _maps(soil_map, values, scale, title, caption)
     _legend(figure, panels)
     return figure
 
 
 def _maps(
-    soil_map: SoilMap, field: Field, values: Floats, scale: _Scale, title: str, caption: str
+    soil_map: SoilMap, values: Floats, scale: _Scale, title: str, caption: str
 ) -> tuple[Figure, list[Axes]]:
     """Figure with a panel a layer of (m, N) values, and its panels."""
+    field = soil_map.field
     west, south, east, north = frame(field)
     layout = sheet(
         len(values), (east - west) / (north - south),

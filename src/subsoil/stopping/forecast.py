@@ -28,7 +28,7 @@ def forecast(soil_map: SoilMap, cells: Sequence[int]) -> Floats:
     >>> field, layers = Field.from_metres([(0, 0), (40, 0), (40, 30), (0, 30)]), Layers((0, 0.4))
     >>> model = Spherical(nugget=100.0, range=30.0, psill=900.0)
     >>> samples = [Sample(at, np.array([800.0]), np.zeros(1, np.int8)) for at in [(3, 3), (38, 28)]]
-    >>> soil_map = SoilMap(field.cells, layers, (model,), tuple(samples))
+    >>> soil_map = SoilMap(field, layers, (model,), tuple(samples))
     >>> forecast(soil_map, [20, 5]).round(1)
     array([26.5, 25. ])
     """
@@ -57,7 +57,7 @@ def further(soil_map: SoilMap, taken: Sequence[int], planned: Sequence[int], k: 
     index = spaced(len(soil_map.cells))
     for cell in planned:
         soil_map = _probed(soil_map, cell)
-    coarse = replace(soil_map, cells=soil_map.cells[index])
+    coarse = replace(soil_map, subset=tuple(index.tolist()))
     free = ~np.isin(index, [*taken, *planned])
     chosen: list[int] = []
     while len(chosen) < k and free.any():

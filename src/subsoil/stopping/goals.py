@@ -181,7 +181,7 @@ class LeastGain:
         """Gain of the next planned stop in kPa; NaN if none is planned."""
         if not plan:
             return nan
-        after = soil_map.mean_kv - float(soil_map.kv_drop(plan[:1]).mean())
+        after = soil_map.field_kv - float(soil_map.kv_drop(plan[:1]).mean())
         return predicted_rmse(soil_map) - float(standard_deviation(after))
 
     def met(self, measure: float) -> bool:

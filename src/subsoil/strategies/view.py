@@ -100,7 +100,7 @@ class View:
     @property
     def informed(self) -> bool:
         """Whether the map has a KV: some sample reached some layer that counts."""
-        return isfinite(self.soil_map.mean_kv)
+        return isfinite(self.soil_map.field_kv)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from math import nan
 import numpy as np
 
 from subsoil.errors import ParameterError
-from subsoil.mapping.fit import learn
+from subsoil.mapping.drift_choice import learn
 from subsoil.registry import NOBODY
 from subsoil.strategies import Plan, View, strategy_named
 from subsoil.survey.events import Event, Finished, Fitted, Planned

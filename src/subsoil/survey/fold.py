@@ -59,7 +59,7 @@ def opened(event: Opened) -> Survey:
     covariate = NO_COVARIATE
     if event.covariate:
         covariate = Covariate(field.cells, np.array(event.covariate))
-    soil_map = SoilMap(field.cells, layers, covariate=covariate)
+    soil_map = SoilMap(field, layers, covariate=covariate)
     settings = Settings(start=field.entrance)
     return Survey(
         event.name, field, layers, cone, OpenLand(field), settings, soil_map,

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from subsoil.errors import ParameterError
 from subsoil.field import Field as Land
-from subsoil.mapping.fit import DriftRule
+from subsoil.mapping.drift_choice import DriftRule
 from subsoil.reports import Place, Plain
 from subsoil.stopping import Goal, Limits, Pace, Rates
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from subsoil.field import Field
 from subsoil.layers import Layers, Sample
-from subsoil.mapping.fit import residuals
+from subsoil.mapping.drift_choice import residuals
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import Cone, faults, profile_of
 from subsoil.registry import NOBODY
@@ -281,7 +281,7 @@ class Survey:
         One sample tells nothing of how much the soil varies: its variances are in no known unit
         and only good for comparing cells.
         """
-        return self.soil_map.mean_kv if self.taken > 1 else nan
+        return self.soil_map.field_kv if self.taken > 1 else nan
 
     @property
     def notes(self) -> tuple[str, ...]:
