@@ -220,3 +220,14 @@ def test_a_frame_in_the_place_of_another_is_found(finished: Path) -> None:
     for table in ("gpkg_contents", "gpkg_geometry_columns"):
         edited(finished, f"UPDATE {table} SET srs_id = 4326 WHERE table_name != 'x'")
     assert verify(finished).findings
+
+
+@pytest.mark.parametrize("area", [0.0, 9.0, 1e300, float("nan")])
+def test_a_file_with_a_cone_that_there_is_not_is_said_to_be_wrong(
+    finished: Path, area: float
+) -> None:
+    forged(finished, lambda e: of(e, "opened").update(cone_area_mm2=area))
+    for use in (read_survey, open_journal):
+        with pytest.raises(CorruptJournalError, match=r"event 1: .*opened\.cone_area_mm2: Input"):
+            use(finished)
+    assert any("cone_area_mm2" in finding for finding in verify(finished).findings)
