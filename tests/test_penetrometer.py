@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from hypothesis import strategies as st
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.penetrometer import (
     LARGE_CONE,
+    LARGEST_MM2,
     SMALL_CONE,
+    SMALLEST_MM2,
     Cone,
     Insertion,
     faults,
@@ -36,16 +39,31 @@ def test_pressure_is_force_over_area_in_si_units() -> None:
     assert Cone(130.0).pressure_kpa(newtons) == pytest.approx(newtons / square_metres / 1000)
 
 
-@given(st.floats(1.0, 2000.0), st.floats(0.0, 5000.0))
+@given(st.floats(SMALLEST_MM2, LARGEST_MM2), st.floats(0.0, 5000.0))
 def test_force_and_pressure_undo_each_other(area: float, force: float) -> None:
     cone = Cone(area)
     assert cone.force_n(cone.pressure_kpa(force)) == pytest.approx(force, abs=1e-9)
 
 
-@pytest.mark.parametrize("area", [0.0, -1.0, math.nan, math.inf])
-def test_a_cone_without_a_positive_area_is_refused_with_the_usual_areas(area: float) -> None:
-    with pytest.raises(ParameterError, match=r"cone area.*323 .*130"):
+NO_CONES = [0.0, -1.0, 1e-300, 9.9, 10_001.0, 1e300, math.nan, math.inf]
+
+
+@pytest.mark.parametrize("area", NO_CONES)
+def test_a_cone_larger_or_smaller_than_any_is_refused_with_the_usual_areas(area: float) -> None:
+    with pytest.raises(ParameterError, match=r"cone area.* 10 and 10000 mm2.*323 .*130"):
         Cone(area)
+
+
+@pytest.mark.parametrize("area", NO_CONES)
+def test_a_reading_of_such_a_cone_is_none(area: float) -> None:
+    reading = Reading(depth_m=(0.1,), force_n=(1.0,), tip=Tip(area_mm2=area))
+    assert re.search(r"a cone of .* mm2 is none", faults(reading, SMALL_CONE))
+
+
+@pytest.mark.parametrize("area", [10.0, 100.0, 333.0, 1500.0, 2000.0, 10_000.0])
+def test_cones_of_hand_penetrometers_and_of_cone_penetration_tests_are_taken(area: float) -> None:
+    assert Cone(area).area_mm2 == area
+    assert not faults(Reading(depth_m=(0.1,), force_n=(1.0,), tip=Tip(area_mm2=area)), SMALL_CONE)
 
 
 @pytest.mark.parametrize("angle", [0.0, 180.0, -30.0, math.nan])

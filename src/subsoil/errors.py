@@ -19,11 +19,13 @@
     └── RobotError               exit code 3   the robot cannot go on
         └── BatteryError             not enough charge for the next stop
 
-Every message says what happened, where, and what to do about it, on one line.
+Every message says what happened, where, and what to do about it, on one line. What a file or an
+agent says is in it only as far as :func:`brief` leaves it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 
@@ -36,6 +38,29 @@ def printable(text: str) -> str:
     'a?[31m field of mine'
     """
     return "".join(sign if sign.isprintable() else "?" for sign in " ".join(text.split()))
+
+
+def brief(text: str, most: int = 40) -> str:
+    """Text of somebody else in a message, cut short where it is long.
+
+    Examples
+    --------
+    >>> brief("a" * 50, 5)
+    'aaaaa...'
+    """
+    return text if len(text) <= most else f"{text[:most]}..."
+
+
+def listed(names: Sequence[str], most: int = 6) -> str:
+    """Names in a message, cut short where there are many or one is long.
+
+    Examples
+    --------
+    >>> listed(["a", "b", "c"], 2)
+    'a, b and 1 more'
+    """
+    shown = ", ".join(brief(name) for name in names[:most])
+    return f"{shown} and {len(names) - most} more" if len(names) > most else shown
 
 
 class SubsoilError(Exception):

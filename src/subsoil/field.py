@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from subsoil.errors import BoundaryError, ParameterError
+from subsoil.errors import BoundaryError, ParameterError, brief
 from subsoil.frames import WGS84, check_metric, metres_frame, project, utm_crs
 from subsoil.outline import Area, check_extent, check_lonlat, check_outline, polygon
 
@@ -133,7 +133,7 @@ class Field:
         home = metres_frame(crs, found.entrance) if crs else ""
         if home != crs:
             raise BoundaryError(
-                f"a metre of {crs} is not a metre on the ground there",
+                f"a metre of {brief(crs)} is not a metre on the ground there",
                 where=name,
                 remedy=f"give the vertices in {home}",
             )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from subsoil.errors import BoundaryError
+from subsoil.errors import BoundaryError, brief, listed
 
 if TYPE_CHECKING:
     from pyproj import CRS, Transformer
@@ -55,7 +55,7 @@ def named_crs(name: str, where: str) -> CRS:
         return CRS.from_user_input(name)
     except CRSError as error:
         raise BoundaryError(
-            f"there is no CRS {name!r}", where=where, remedy="name it like EPSG:32630"
+            f"there is no CRS {brief(name)!r}", where=where, remedy="name it like EPSG:32630"
         ) from error
 
 
@@ -71,7 +71,7 @@ def check_metric(name: str, where: str) -> None:
     units = {axis.unit_name for axis in crs.axis_info}
     if not (crs.is_projected and units == {"metre"}):
         raise BoundaryError(
-            f"{name} measures in {' and '.join(sorted(units)) or 'no unit'}, not on a plane in "
+            f"{brief(name)} measures in {listed(sorted(units)) or 'no unit'}, not on a plane in "
             "metres",
             where=where,
             remedy="use a projected CRS in metres, such as the UTM zone of the field",
@@ -112,7 +112,7 @@ def stretch(name: str, at: tuple[float, float]) -> float:
     start, end = (plane(at[0] + s * x, at[1] + s * y, inverse=True) for s in (-1, 1))
     if ellipsoid is None or not np.isfinite([*start, *end]).all():
         raise BoundaryError(
-            f"({at[0]:g}, {at[1]:g}) is no place in {name}",
+            f"({at[0]:g}, {at[1]:g}) is no place in {brief(name)}",
             where="CRS",
             remedy="check the coordinates and the CRS",
         )
@@ -170,7 +170,8 @@ def _transformer(source: str, target: str) -> Transformer:
 
     if not (source and target):
         raise BoundaryError(
-            f"nothing leads from {source or 'a local frame'} to {target or 'a local frame'}",
+            f"nothing leads from {brief(source) or 'a local frame'} "
+            f"to {brief(target) or 'a local frame'}",
             where="CRS",
             remedy="name the CRS of everything in metres, or give longitude and latitude",
         )
@@ -180,7 +181,8 @@ def _transformer(source: str, target: str) -> Transformer:
         group = TransformerGroup(*ends, always_xy=True)
     if not group.best_available:
         raise BoundaryError(
-            f"the exact transformation from {source} to {target} needs a grid that is missing",
+            f"the exact transformation from {brief(source)} to {brief(target)} "
+            "needs a grid that is missing",
             where="CRS",
             remedy="give coordinates as WGS84 longitude and latitude",
         )

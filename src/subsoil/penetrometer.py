@@ -26,6 +26,10 @@ DEEPEST_M = 3.0
 BOUNCED, BELOW_ZERO = "bounced", "below-zero"
 """Flags of readings whose rod went up again on its way, and whose force was below zero."""
 
+SMALLEST_MM2, LARGEST_MM2 = 10.0, 10_000.0
+"""Base areas in mm2 beyond which there is no cone in use. ASABE S313.3 has 130 and 323 mm2, hand
+penetrometers have 100 to 500, cone penetration tests (ISO 22476-1) 500 to 2000 mm2."""
+
 
 @dataclass(frozen=True)
 class Cone:
@@ -41,7 +45,8 @@ class Cone:
     Raises
     ------
     ParameterError
-        If the area is not positive or the angle is not between 0 and 180 degrees.
+        If the area is not between :data:`SMALLEST_MM2` and :data:`LARGEST_MM2`, or the angle is
+        not between 0 and 180 degrees.
 
     Examples
     --------
@@ -55,9 +60,10 @@ class Cone:
     angle_deg: float = 30.0
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.area_mm2) and self.area_mm2 > 0):
+        if not SMALLEST_MM2 <= self.area_mm2 <= LARGEST_MM2:
             raise ParameterError(
-                f"a cone needs a positive base area in mm2, not {self.area_mm2:g}",
+                f"a cone's base area lies between {SMALLEST_MM2:g} and {LARGEST_MM2:g} mm2, "
+                f"not {self.area_mm2:g}",
                 where="cone area",
                 remedy="323 (large ASABE cone) or 130 (small) are the usual ones",
             )
@@ -189,8 +195,11 @@ def faults(reading: Reading, cone: Cone) -> str:
         return "it gives neither force nor pressure" if not values else "it gives both"
     if len(values) != len(reading.depth_m):
         return f"{len(reading.depth_m)} depths do not pair with {len(values)} readings"
-    if not (np.isfinite(tip.area_mm2) and tip.area_mm2 > 0):
-        return f"a cone of {tip.area_mm2:g} mm2 measures nothing"
+    if not SMALLEST_MM2 <= tip.area_mm2 <= LARGEST_MM2:
+        return (
+            f"a cone of {tip.area_mm2:g} mm2 is none: "
+            f"they have {SMALLEST_MM2:g} to {LARGEST_MM2:g} mm2"
+        )
     if not 0 < tip.angle_deg < 180:
         return f"a cone with an apex angle of {tip.angle_deg:g} degrees is none"
     depth = np.array(reading.depth_m)

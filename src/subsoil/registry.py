@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
+from types import ModuleType
 from typing import Generic, TypeVar
 
-from subsoil.errors import NotAllowedError, ParameterError
+from subsoil.errors import NotAllowedError, ParameterError, brief
 
 T = TypeVar("T")
 
@@ -61,15 +62,15 @@ class Registry(Generic[T]):
         module, _, attribute = name.partition(":")
         if not (attribute and all(part.isidentifier() for part in module.split("."))):
             raise ParameterError(
-                f"there is no {self.kind} {name!r}",
+                f"there is no {self.kind} {brief(name)!r}",
                 where=self.kind,
                 remedy=f"one of {', '.join(self.names)}, or your own as module:attribute",
             )
         if module not in allowed:
             raise NotAllowedError(
-                f"{name!r} is code of the module {module!r}, which was not run",
+                f"{brief(name)!r} is code of the module {brief(module)!r}, which was not run",
                 where=self.kind,
-                remedy=f"if you trust it, give --allow {module}",
+                remedy=f"if you trust it, give --allow {brief(module, 200)}",
             )
         return self._imported(name, module, attribute)
 
@@ -79,17 +80,42 @@ class Registry(Generic[T]):
         return (*self.built_in, *sorted(point.name for point in entry_points(group=self.group)))
 
     def _imported(self, name: str, module: str, attribute: str) -> T:
-        try:
-            thing: T = getattr(import_module(module), attribute)
-        except (ImportError, AttributeError) as error:
+        found = imported(module, f"{self.kind} {brief(name)}")
+        if not hasattr(found, attribute):
             raise ParameterError(
-                f"cannot import {name!r}: {error}",
+                f"cannot import {brief(name)!r}: its module has no {brief(attribute)!r}",
                 where=self.kind,
-                remedy="check that Python finds the module from here",
-            ) from error
+                remedy=f"check what {brief(module, 200)} defines",
+            )
+        thing: T = getattr(found, attribute)
         if not callable(thing):
-            raise ParameterError(f"{name!r} is not callable", where=self.kind)
+            raise ParameterError(f"{brief(name)!r} is not callable", where=self.kind)
         return thing
+
+
+def imported(module: str, where: str) -> ModuleType:
+    """Module of a name, which the user allows to be run.
+
+    Parameters
+    ----------
+    module
+        Its full name.
+    where
+        What asks for it, for messages.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be imported, whatever goes wrong in it.
+    """
+    try:
+        return import_module(module)
+    except Exception as error:
+        raise ParameterError(
+            f"cannot import {brief(module)!r}: {brief(f'{type(error).__name__}: {error}', 200)}",
+            where=where,
+            remedy="check its name, and that Python finds and loads it from this folder",
+        ) from error
 
 
 def module_of(name: str) -> frozenset[str]:

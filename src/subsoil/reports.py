@@ -60,7 +60,7 @@ class Happening(Plain):
 
 
 class Tip(Plain):
-    """The cone of a penetrometer: base area in mm2, full apex angle in degrees."""
+    """The cone of a penetrometer: base area in mm2 (10 to 10 000), full apex angle in degrees."""
 
     area_mm2: float
     angle_deg: float = 30.0

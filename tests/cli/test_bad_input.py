@@ -144,6 +144,44 @@ def test_an_unknown_strategy_estimator_robot_or_world(
     assert len(before) == len(path.read_bytes())
 
 
+BROKEN = {
+    "not there": ("gone", None, "ModuleNotFoundError: No module named 'gone'"),
+    "nothing": ("", None, "cannot import ''"),
+    "relative": ("..gone", None, "cannot import '..gone'"),
+    "no part": ("subsoil.gone", None, "No module named 'subsoil.gone'"),
+    "no Python": ("mine", "def own(view:\n", "SyntaxError"),
+    "needs what is not there": ("mine", "import gone\n", "No module named 'gone'"),
+    "fails": ("mine", "1 / 0\n", "ZeroDivisionError"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+@pytest.mark.parametrize("verb", ["verify", "plan", "run", "resume"])
+def test_a_module_that_is_allowed_and_cannot_be_imported_is_a_wrong_option(
+    cli: Cli, tmp_path: Path, outline: Path, monkeypatch: pytest.MonkeyPatch, verb: str, case: str
+) -> None:
+    module, text, words = BROKEN[case]
+    path = tmp_path / "s.gpkg"
+    cli("init", path, "--boundary", outline)
+    before = path.read_bytes()
+    if text is not None:
+        (tmp_path / f"{module}.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    outcome = cli(verb, path, "--allow", module)
+    assert_one_line(outcome, 2, "--allow: cannot import", words, "check its name")
+    assert outcome.out == ""
+    assert path.read_bytes() == before
+
+
+def test_readings_of_force_need_a_cone_that_there_is(
+    cli: Cli, tmp_path: Path, outline: Path
+) -> None:
+    path = tmp_path / "r.csv"
+    path.write_text("easting,northing,n_5cm\n5,5,100\n20,20,110\n40,30,120\n")
+    for verb in (("map", path, "--boundary", outline, "--out", tmp_path / "m"), ("cv", path)):
+        assert_one_line(cli(*verb, "--cone-area", "1e300"), 2, "between 10 and 10000 mm2")
+
+
 def test_a_cone_without_area_and_layers_that_are_none(
     cli: Cli, tmp_path: Path, outline: Path
 ) -> None:
@@ -151,6 +189,8 @@ def test_a_cone_without_area_and_layers_that_are_none(
     for option, value, word in (
         ("--cone-area", "-5", "mm2"),
         ("--cone-area", "0", "mm2"),
+        ("--cone-area", "1e300", "between 10 and 10000 mm2"),
+        ("--cone-area", "nan", "between 10 and 10000 mm2"),
         ("--layers", "0.1,0.05", "do not increase"),
         ("--layers", "5,10,15", "centimetres"),
         ("--layers", "a,b", "--layers"),

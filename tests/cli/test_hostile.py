@@ -45,6 +45,17 @@ def test_a_name_is_printed_as_it_is_and_obeyed_by_nobody(
     assert cli("init", tmp_path / "t.gpkg", "--boundary", f"{name}.csv").err.count("\n") == 1
 
 
+@pytest.mark.parametrize("name", [b"a\xff", b"a\x1b[31m", b"a\nb"])
+def test_a_name_that_is_no_text_is_as_good_as_any(cli: Cli, tmp_path: Path, name: bytes) -> None:
+    outline, path = (tmp_path / os.fsdecode(name + end) for end in (b".csv", b".gpkg"))
+    outline.write_text(OUTLINE)
+    for call in (("init", path, "--boundary", outline), ("run", path, "--samples", 2)):
+        said = cli(*call)
+        assert said.code == 0, said.err
+        assert set(said.out) - {"\n"} <= set(filter(str.isprintable, said.out))
+    assert cli("verify", path, "--json").json["findings"] == "none"
+
+
 def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path: Path) -> None:
     (tmp_path / "plot.csv").write_text(OUTLINE)
     for module in ("typer", "numpy", "rich", "mine"):

@@ -34,7 +34,7 @@ from subsoil.plots import (
     variograms,
 )
 from subsoil.plots.album import way
-from subsoil.plots.sheet import sheet
+from subsoil.plots.sheet import blank, sheet
 from subsoil.report import Progress
 from subsoil.reports import Refused
 from subsoil.survey import Survey, apply, opened
@@ -504,3 +504,9 @@ def test_without_matplotlib_there_is_a_remedy(
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(MissingExtraError, match=r"matplotlib.*subsoil\[plot\]"):
         profiles(survey.soil_map)
+
+
+def test_a_name_with_signs_that_cannot_be_seen_is_drawn_without_them() -> None:
+    figure = blank((6.0, 4.0), "a\x1b[31m\u202eb\udcff", "c\x07")
+    assert [text.get_text() for text in figure.texts] == ["a?[31m?b?", "c?"]
+    figure.savefig(BytesIO())

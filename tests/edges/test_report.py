@@ -136,6 +136,16 @@ def test_a_hostile_name_stays_text(survey: Survey, history: History, fits: Fits)
     assert found.text.count(name) >= 2
 
 
+def test_what_cannot_be_seen_in_a_name_is_not_in_the_page(
+    survey: Survey, history: History, fits: Fits
+) -> None:
+    name = "a\x1b[31m\u202eb\udcff"
+    changed = replace(survey, name=name, field=replace(survey.field, name=name))
+    html = render(changed, history, fits, ())
+    assert html.count("a?[31m?b?") >= 2
+    assert not {"\x1b", "\u202e", "\udcff"} & set(html)
+
+
 def test_a_title_is_used_as_given(survey: Survey, history: History, fits: Fits) -> None:
     html = render(survey, history, fits, (), title="Spring <2024>")
     assert parsed(html).text.startswith("Spring <2024>")

@@ -252,3 +252,72 @@ def test_a_typical_strength_that_no_soil_has_is_said(
 def test_tilled_topsoil_and_ordinary_soil_are_no_finding(table: Table) -> None:
     assert read_readings(table(TWO, ["90", "150"], ["100", "180"])).notes == ()
     assert read_readings(table(["kpa_5cm", "kpa_40cm"], ["400", "2500"])).notes == ()
+
+
+# Robots' logs and outlines in JSON
+
+
+def robot_log(value: str, *, names: str = "[5 cm]", head: str = "") -> str:
+    return f"{head}names: {names}\ndata:\n- position: {{lat: 53.2, lon: -0.5}}\n  data: [{value}]\n"
+
+
+BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"{name}: &{name} [{', '.join(['*' + before] * 9)}]\n"
+    for before, name in zip("abcdefgh", "bcdefghi", strict=True)
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (robot_log("0750"), r"line 4: .*'0750' is no plain whole number"),
+        (robot_log("1:30"), r"line 4: .*'1:30' is no plain"),
+        (robot_log("1:30.5"), r"line 4: .*'1:30\.5' is no plain"),
+        (robot_log("1_500"), r"line 4: .*'1_500' is no plain"),
+        (robot_log("0x1F4"), r"line 4: .*'0x1F4' is no plain"),
+        (robot_log("0b101"), r"line 4: .*'0b101' is no plain"),
+        (robot_log("9" * 400), r"line 4: .*'9{40}\.\.\.' is no plain"),
+        (robot_log("9" * 5000), r"line 4: .*is no plain"),
+        (robot_log("500") + robot_log("600"), r"line 5: .*'names' is there twice"),
+        (robot_log("500") + "  data: [600]\n", r"line 5: .*'data' is there twice"),
+        (robot_log("*i", head=BOMB), r"row 1: a list at 0\.05 m is not a number"),
+        (robot_log("1", names="*i", head=BOMB), r"names: 'a list' is not a depth"),
+        (robot_log("1", names=f"['{'x' * 5000}']"), r"names: 'x{40}\.\.\.' is not a depth"),
+        ("names: &a [*a]\ndata: []", r"names: 'a list' is not a depth"),
+        ("names: " + "[" * 100_000, r"nest"),
+        (f"names: *{'x' * 5000}", r"line 1: .*found undefined alias"),
+        (f"names: !!{'x' * 5000} 1", r"line 1: .*could not determine a constructor"),
+    ],
+)
+def test_a_log_that_yaml_reads_otherwise_than_people_is_one_short_line(
+    tmp_path: Path, text: str, message: str
+) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text(text)
+    with pytest.raises(ReadingsError, match=rf"^robot\.yaml.*{message}") as caught:
+        read_readings(path)
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize("code", ["null", "~", ".nan", "NA", "-999", "0", "'-'"])
+def test_a_missing_code_at_the_end_of_a_log_was_not_reached(tmp_path: Path, code: str) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text(robot_log(f"500, {code}", names="[5 cm, 10 cm]"))
+    assert read_readings(path).profiles[0].kpa.tolist() == [500.0]
+
+
+def test_a_json_object_that_says_a_thing_twice_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "home.geojson"
+    ring = "[[[-0.5,53],[-0.498,53],[-0.498,53.002],[-0.5,53]]]"
+    path.write_text(f'{{"type":"Polygon","coordinates":{ring},"coordinates":{ring}}}')
+    with pytest.raises(BoundaryError, match=r"home\.geojson: 'coordinates' is there twice"):
+        read_field(path)
+
+
+@pytest.mark.parametrize("cell", [1e-300, 5e-324, 1e-9, 1e300])
+def test_a_cell_of_no_use_is_refused_in_one_line(tmp_path: Path, cell: float) -> None:
+    path = tmp_path / "home.csv"
+    path.write_text("easting,northing\n0,0\n60,0\n60,40\n0,40\n")
+    with pytest.raises(BoundaryError, match=r"^home\.csv: .*cells?") as caught:
+        read_field(path, cell_size=cell)
+    assert "\n" not in str(caught.value)

@@ -14,7 +14,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyproj import Proj
-from shapely.geometry import LineString, Point, Polygon, box, mapping
+from shapely.geometry import GeometryCollection, LineString, Point, Polygon, box, mapping
 
 from subsoil.errors import BoundaryError, MissingExtraError, ParameterError
 from subsoil.field import Field
@@ -128,8 +128,16 @@ def test_the_callers_crs_is_for_files_that_name_none(save: Save) -> None:
         ({"type": "Feature", "geometry": None}, "a feature without geometry is not an outline"),
         (mapping(Point(1, 2)), "home.geojson: a Point is not an outline.*as a polygon"),
         (
-            collection(feature(OUTLINE), feature(LineString(CORNERS), name="gate")),
-            r"home.geojson, feature 2 \(gate\): a LineString is not an outline",
+            collection(feature(LineString(CORNERS), name="gate"), feature(Point(1, 2))),
+            r"home.geojson, feature 1 \(gate\): a LineString is not an outline",
+        ),
+        (
+            collection(feature(OUTLINE), feature(LineString(CORNERS), role="keep-out")),
+            "home.geojson, feature 2: a LineString is not an outline",
+        ),
+        (
+            collection(feature(OUTLINE), feature(GeometryCollection([POND]))),
+            "home.geojson, feature 2: a GeometryCollection is not an outline",
         ),
         (collection(feature(OUTLINE), {"type": "x"}), "feature 2: this is not a Feature"),
         (collection(), "home.geojson: it holds 0 outlines, not one"),
@@ -549,3 +557,114 @@ def test_a_national_grid_or_utm_zone_stays_as_it_is(
 def test_a_place_that_a_frame_does_not_have_is_refused() -> None:
     with pytest.raises(BoundaryError, match="is no place in EPSG:32630"):
         stretch("EPSG:32630", (9e9, 9e9))
+
+
+# What a file has beside its outline
+
+
+def kml(*placemarks: str) -> str:
+    document = f"<Document>{''.join(placemarks)}</Document>"
+    return f'<kml xmlns="http://www.opengis.net/kml/2.2">{document}</kml>'
+
+
+def placemark(name: str, *shapes: str) -> str:
+    drawn = f"<MultiGeometry>{''.join(shapes)}</MultiGeometry>"
+    return f"<Placemark><name>{name}</name>{drawn}</Placemark>"
+
+
+RING = "<LinearRing><coordinates>{}</coordinates></LinearRing>".format(
+    " ".join(f"{x},{y}" for x, y in CORNERS)
+)
+DRAWN = f"<Polygon><outerBoundaryIs>{RING}</outerBoundaryIs></Polygon>"
+PIN, LINE = (
+    f"<{kind}><coordinates>-0.5,53.26 -0.4,53.26</coordinates></{kind}>"
+    for kind in ("Point", "LineString")
+)
+LINK = "<NetworkLink><Link><href>other.kml</href></Link></NetworkLink>"
+
+BESIDE = {
+    "KML": (
+        "home.kml",
+        kml(
+            placemark("gate", PIN), placemark("home", DRAWN, PIN), placemark("fence", LINE),
+            placemark("ring", RING), placemark(""), LINK,
+        ),
+        "Point of feature 1 (gate), Point of feature 2 (home), LineString of feature 3 (fence), "
+        "LinearRing of feature 4 (ring), feature without geometry of feature 5, "
+        "NetworkLink of home.kml",
+    ),
+    "GeoJSON": (
+        "home.geojson",
+        collection(
+            feature(Point(1, 2), name="gate"), feature(OUTLINE), feature(LineString(CORNERS)),
+            {"type": "Feature", "geometry": None, "properties": None},
+        ),
+        "Point of feature 1 (gate), LineString of feature 3, feature without geometry of feature 4",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BESIDE)
+def test_points_and_lines_beside_an_outline_are_left_alone_and_named(save: Save, case: str) -> None:
+    name, content, words = BESIDE[case]
+    field = read_field(save(name, content))
+    assert same_place(field, TRUTH)
+    assert field.notes == (f"{name}: no polygons, left alone: {words}",)
+
+
+def test_of_many_pins_the_first_are_named_and_the_others_counted(save: Save) -> None:
+    pins = (feature(Point(1, 2), name="x" * 5000) for _ in range(1000))
+    (note,) = read_field(save("home.geojson", collection(feature(OUTLINE), *pins))).notes
+    assert note.endswith(" and 994 more")
+    assert len(note) < 400
+
+
+@pytest.mark.parametrize("shape", [PIN, LINE, RING])
+def test_a_pin_or_line_marked_as_a_keep_out_keeps_nobody_out_and_is_refused(
+    save: Save, shape: str
+) -> None:
+    role = '<ExtendedData><Data name="role"><value>keep-out</value></Data></ExtendedData>'
+    drain = f"<Placemark><name>drain</name>{role}{shape}</Placemark>"
+    with pytest.raises(BoundaryError, match=r"home\.kml, feature 2 \(drain\): a .* no.* outline"):
+        read_field(save("home.kml", kml(placemark("home", DRAWN), drain)))
+
+
+def test_what_is_beside_the_keep_outs_of_another_file_is_named_too(save: Save) -> None:
+    far = shapely.affinity.translate(POND, 1.0)
+    ponds = collection(feature(POND), feature(far), feature(Point(1, 2), name="well"))
+    field = read_field(save("home.coords", COORDS), keep_outs=save("ponds.geojson", ponds))
+    assert len(field.keep_outs) == 2
+    assert field.notes == (
+        "ponds.geojson: no polygons, left alone: Point of feature 3 (well)",
+        "ponds.geojson: 1 of 2 keep-outs do not touch the field",
+    )
+
+
+def test_notes_of_a_file_in_stretched_metres_say_all_that_is_to_know(save: Save) -> None:
+    drawn = drawn_in("EPSG:3857", OUTLINE)
+    drawn["features"].append(feature(Point(1, 2), name="gate"))
+    moved, left = read_field(save("home.geojson", drawn)).notes
+    assert "kept in EPSG:32630" in moved
+    assert "Point of feature 2 (gate)" in left
+
+
+def test_layers_and_shapes_beside_the_outline_of_a_geopackage_are_named(tmp_path: Path) -> None:
+    raw = pytest.importorskip("pyogrio").raw
+    path = tmp_path / "home.gpkg"
+    for layer, shapes, kind in (
+        ("home", [Point(1, 2), OUTLINE, LineString(CORNERS), None], "Unknown"),
+        ("pins", [Point(1, 2)], "Point"),
+        ("drains", [LineString(CORNERS)], "LineString"),
+    ):
+        geometry = [shape and shapely.to_wkb(shape) for shape in shapes]
+        raw.write(
+            path, np.array(geometry, dtype=object), [np.zeros(len(shapes))], ["n"], layer=layer,
+            geometry_type=kind, crs="EPSG:4326", driver="GPKG", append=path.exists(),
+        )  # fmt: skip
+    field = read_field(path)
+    assert same_place(field, TRUTH)
+    assert field.notes == (
+        "home.gpkg: no polygons, left alone: Point of feature 1, LineString of feature 3, "
+        "feature without geometry of feature 4",
+        "home.gpkg: no polygons, left alone: layer pins, layer drains",
+    )

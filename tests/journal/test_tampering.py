@@ -220,3 +220,47 @@ def test_a_frame_in_the_place_of_another_is_found(finished: Path) -> None:
     for table in ("gpkg_contents", "gpkg_geometry_columns"):
         edited(finished, f"UPDATE {table} SET srs_id = 4326 WHERE table_name != 'x'")
     assert verify(finished).findings
+
+
+@pytest.mark.parametrize("area", [0.0, 9.0, 1e300, float("nan")])
+def test_a_file_with_a_cone_that_there_is_not_is_said_to_be_wrong(
+    finished: Path, area: float
+) -> None:
+    forged(finished, lambda e: of(e, "opened").update(cone_area_mm2=area))
+    for use in (read_survey, open_journal):
+        with pytest.raises(CorruptJournalError, match=r"event 1: .*opened\.cone_area_mm2: Input"):
+            use(finished)
+    assert any("cone_area_mm2" in finding for finding in verify(finished).findings)
+
+
+LONG = "x" * 5000
+LONG_WORDS: dict[str, Callable[[list[Body]], object]] = {
+    "name": lambda e: of(e, "opened").update(name=LONG, crs="nonsense"),
+    "frame": lambda e: of(e, "opened").update(crs=LONG),
+    "outline": lambda e: of(e, "opened").update(boundary_wkt=LONG),
+    "strategy": lambda e: of(e, "configured")["settings"].update(strategy=LONG),
+    "code": lambda e: of(e, "configured")["settings"].update(strategy=f"{LONG}:own"),
+    "setting": lambda e: of(e, "configured")["settings"].update(strategy_settings={LONG: 1.0}),
+    "currency": lambda e: of(e, "configured")["settings"]["rates"].update(currency=LONG),
+    "model": lambda e: of(e, "fitted")["fits"][0]["model"].update(name=LONG),
+    "agent": lambda e: of(e, "assigned").update(agent=LONG),
+    "member": lambda e: of(e, "assigned").update({LONG: 1}),
+}
+
+
+@pytest.mark.parametrize("name", LONG_WORDS)
+def test_words_without_end_in_a_file_do_not_fill_what_is_said_of_it(
+    finished: Path, name: str
+) -> None:
+    forged(finished, LONG_WORDS[name])
+    found = verify(finished)
+    assert found.findings or found.notes
+    assert all(len(line) < 600 for line in (*found.findings, *found.notes))
+
+
+def test_a_row_with_a_name_without_end_is_named_shortly(finished: Path) -> None:
+    edited(finished, f"UPDATE samples SET id = '{LONG}' WHERE fid = 1")
+    edited(finished, f"CREATE VIEW v{LONG} AS SELECT 1")
+    findings = verify(finished).findings
+    assert any("follows from no event" in finding for finding in findings)
+    assert all(len(finding) < 600 for finding in findings)

@@ -84,13 +84,22 @@ CANNOT_BE: list[tuple[dict[str, Any], str]] = [
     (reading(depth_m=(10.0, 20.0, 30.0, 40.0)), "they are in m, positive down"),
     (reading(depth_m=(0.1, nan, 0.3, 0.4)), "they are in m, positive down"),
     (reading(depth_m=(-0.1, -0.2, -0.3, -0.4)), "they are in m, positive down"),
-    (reading(tip=Tip(area_mm2=nan)), "a cone of nan mm2 measures nothing"),
+    (reading(tip=Tip(area_mm2=nan)), "a cone of nan mm2 is none"),
+    (reading(tip=Tip(area_mm2=1e300)), r"a cone of 1e\+300 mm2 is none: they have 10 to 10000"),
     (reading(tip=Tip(area_mm2=130.0, angle_deg=-30.0)), "an apex angle of -30 degrees"),
     (reading(further=(moisture(values=(21.0, nan)),)), "moisture are not all finite"),
     (reading(further=(moisture(depth_m=(0.1, inf)),)), "moisture are not all finite"),
     (reading(further=(moisture(values=(21.0,)),)), "1 values of moisture do not pair with 2"),
-    (reading(further=(moisture(name=""),)), "has no name"),
+    (reading(further=(moisture(name=""),)), "name '' of a quantity beside resistance is empty"),
+    (reading(further=(moisture(name="a\x1b[31m"),)), "signs that cannot be printed"),
     ({"id": ""}, "it has no id"),
+    ({"id": "a\x1b[31m"}, r"its id 'a\\x1b\[31m' has signs that cannot be printed"),
+    ({"id": "a\nb"}, "its id .* has signs that cannot be printed"),
+    ({"id": "a "}, "blanks that cannot be seen"),
+    ({"id": "a" * 5000}, r"its id 'a{40}\.\.\.' has 5000 letters, more than 100"),
+    ({"assignment": "a\x00b"}, "its assignment .* has signs that cannot be printed"),
+    ({"agent": "b" * 5000}, r"agent 'b{40}\.\.\.' never joined the survey"),
+    ({"frame": "x" * 5000}, r"there is no CRS 'x{40}\.\.\.' "),
     ({"agent": "bert"}, "agent 'bert' never joined the survey"),
     ({"source": Source(kind="simulator")}, "simulated and real readings do not go into one"),
 ]
@@ -137,7 +146,11 @@ class Odd:
 @pytest.mark.parametrize(
     "changes",
     [
-        *(c for c, _ in CANNOT_BE if not {"agent", "source", "frame", "id"} & c.keys()),
+        *(
+            c
+            for c, _ in CANNOT_BE
+            if not {"agent", "source", "frame", "id", "assignment"} & c.keys()
+        ),
         {"at": ("here", "there")},
         {"reading": "a reading"},
     ],
@@ -248,6 +261,59 @@ def test_simulated_and_real_agents_do_not_work_on_one_survey() -> None:
         dispatch.join("anna", "robot")
     assert [agent.name for agent in dispatch.survey.agents] == ["anna"]
     assert not dispatch.survey.simulated
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("", "the name '' of an agent is empty"),
+        (" ", "blanks that cannot be seen"),
+        ("anna ", "blanks that cannot be seen"),
+        ("an  na", "blanks that cannot be seen"),
+        ("an\nna", r"the name 'an\\nna' of an agent has signs that cannot be printed"),
+        ("an\x1b[31mna", "signs that cannot be printed"),
+        ("an\u202ena", "signs that cannot be printed"),
+        ("an\x00na", "signs that cannot be printed"),
+        ("a" * 5000, r"'a{40}\.\.\.' of an agent has 5000 letters, more than 100"),
+    ],
+)
+def test_an_agent_joins_under_a_name_that_can_be_read_and_told_from_others(
+    name: str, words: str
+) -> None:
+    memory = Memory()
+    dispatch = begun(memory)
+    events = len(memory.events)
+    with pytest.raises(ReportError, match=rf"{words}.*letters, digits, signs and single blanks"):
+        dispatch.join(name, "person")
+    assert len(memory.events) == events
+
+
+@pytest.mark.parametrize("name", ["Änne Müller", "机器人 2", "robot-1 (north)", "a" * 100])
+def test_names_of_all_languages_are_names(name: str) -> None:
+    dispatch = begun()
+    dispatch.join(name, "person")
+    dispatch.report(report(agent=name))
+    assert dispatch.survey.readings[0].agent == name
+
+
+def test_the_reason_of_a_refusal_is_kept_on_one_line_without_what_a_terminal_obeys() -> None:
+    dispatch = begun()
+    stop = dispatch.assign("anna")
+    assert isinstance(stop, Assignment)
+    dispatch.report(
+        Refused(
+            agent="anna", assignment=stop.id, source=Source(kind="person"), at=CENTRE,
+            reason="a\x1b[2J stone,\n  two\u202e",
+        )
+    )  # fmt: skip
+    (refusal,) = [each.refusal for each in dispatch.survey.stops if each.refusal]
+    assert refusal.reason == "a?[2J stone, two?"
+
+
+def test_flags_of_an_instrument_are_kept_so_too() -> None:
+    dispatch = begun()
+    dispatch.report(report(**reading(flags=("wet\x07", "slow"))))
+    assert dispatch.survey.readings[0].reading.flags == ("wet?", "slow")
 
 
 def test_who_never_joined_or_left_is_told_so() -> None:

@@ -10,7 +10,7 @@ from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.agent import Arrival, Assignment, Push, Refusal, Unreachable
 from subsoil.bench.task import Setting, soil_rng
-from subsoil.errors import ParameterError
+from subsoil.errors import ParameterError, brief
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE
@@ -110,7 +110,8 @@ def land_of(setting: Setting) -> Field:
         own = half_field()
         if setting.boundary_wkt and setting.crs != own.crs:
             raise ParameterError(
-                f"the boundary is in {setting.crs or 'a local frame'}, the readings in {own.crs}",
+                f"the boundary is in {brief(setting.crs) or 'a local frame'}, "
+                f"the readings in {own.crs}",
                 where="--boundary",
                 remedy=f"give it in {own.crs}",
             )

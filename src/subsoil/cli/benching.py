@@ -30,7 +30,7 @@ from subsoil.bench.task import PROTOCOLS, entrants_of
 from subsoil.bench.world import land_of
 from subsoil.cli.options import allowed_by
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell
-from subsoil.errors import ParameterError, SubsoilError
+from subsoil.errors import ParameterError, SubsoilError, printable
 from subsoil.strategies import STRATEGIES
 
 app = typer.Typer(
@@ -151,7 +151,8 @@ def _work(out: Path, tasks: Sequence[Task], outcomes: Iterator[Outcome]) -> list
         for outcome in outcomes:
             match outcome:
                 case Retried():
-                    print(f"worker died, trying again: {outcome.task.name}", file=sys.stderr)
+                    again = f"worker died, trying again: {outcome.task.name}"
+                    print(printable(again), file=sys.stderr)
                     continue
                 case Failed():
                     failed.append(outcome)

@@ -22,7 +22,7 @@ from subsoil.cli.options import (
     values,
 )
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell, tell_table
-from subsoil.errors import ParameterError
+from subsoil.errors import ParameterError, printable
 from subsoil.field import Field
 from subsoil.io.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
@@ -110,7 +110,7 @@ def status(
         }
         tell({**result, **numbers}, as_json)
         return
-    print(words)
+    print(printable(words))
     tell(result, as_json)
     if prospects.ahead:
         tell_table("What more would buy", *_forecast_table(prospects))

@@ -14,11 +14,11 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from subsoil.errors import ParameterError
+from subsoil.errors import ParameterError, brief
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.drift_choice import DriftRule
-from subsoil.registry import NOBODY, module_of
+from subsoil.registry import NOBODY, imported, module_of
 from subsoil.stopping import Goal, Rates
 from subsoil.strategies import strategy_named
 from subsoil.survey import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, checked
@@ -121,11 +121,18 @@ def allowed_by(modules: list[str] | None, *typed: str) -> frozenset[str]:
     """Modules whose code may be run: those allowed, and those of names that the user typed.
 
     For these the current folder is searched too, after everything else.
+
+    Raises
+    ------
+    ParameterError
+        If one that is allowed cannot be imported.
     """
     allowed = frozenset(name.partition(":")[0] for name in modules or ())
     own = allowed.union(*(module_of(name) for name in typed))
     if own and os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
+    for module in sorted(allowed):
+        imported(module, "--allow")
     return own
 
 
@@ -182,7 +189,7 @@ def layers_of(text: str) -> Layers:
         return Layers(tuple(float(edge) for edge in text.split(",")))
     except ValueError:
         raise ParameterError(
-            f"{text[:40]!r} is not a list of numbers",
+            f"{brief(text)!r} is not a list of numbers",
             where="--layers",
             remedy="edges in metres, such as 0,0.1,0.2,0.4",
         ) from None

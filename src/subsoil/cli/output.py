@@ -41,7 +41,7 @@ def tell(result: Mapping[str, object], as_json: bool) -> None:
 
 def tell_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
     """Print rows under a title, for people."""
-    lines = (printable(line) for line in title.splitlines())
+    lines = (printable(line) for line in title.split("\n"))
     table = Table(title="\n".join(lines), title_justify="left")
     for k, name in enumerate(columns):
         table.add_column(_label(name), justify="right" if k else "left")
@@ -63,8 +63,8 @@ def progress(what: str, total: int) -> Iterator[Advance]:
         console=console,
         disable=not console.is_terminal,
     ) as bar:
-        task = bar.add_task(what, total=total, note="")
-        yield lambda done, note: bar.update(task, completed=done, note=note)
+        task = bar.add_task(printable(what), total=total, note="")
+        yield lambda done, note: bar.update(task, completed=done, note=printable(note))
 
 
 def folder(path: Path) -> Path:
@@ -77,6 +77,7 @@ def _label(name: str) -> str:
     """Name of a number with its unit, for people."""
     if name in _LABELS:
         return _LABELS[name]
+    name = printable(name)
     words, _, unit = name.rpartition("_")
     return (
         f"{words.replace('_', ' ')} ({_UNITS[unit]})" if unit in _UNITS else name.replace("_", " ")
@@ -109,7 +110,7 @@ def _shown(value: object) -> str:
     if isinstance(value, float):
         return _number(value)
     if isinstance(value, Mapping):
-        return ", ".join(f"{key} {_shown(item)}" for key, item in value.items())
+        return ", ".join(f"{printable(key)} {_shown(item)}" for key, item in value.items())
     if isinstance(value, list | tuple):
         return ", ".join(_shown(item) for item in value) or "-"
     return printable(str(value))

@@ -37,7 +37,7 @@ from subsoil.cli.options import (
 )
 from subsoil.cli.output import AsJson, Seed, progress, tell
 from subsoil.cli.worlds import SIMULATED, robot_of, simulation_of, soil_of, truth_of
-from subsoil.errors import JournalError, ParameterError
+from subsoil.errors import JournalError, ParameterError, brief
 from subsoil.io.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
@@ -209,9 +209,9 @@ def _soil(survey: Survey, world: str | None, seed: int) -> tuple[Truth, Simulati
     truth, begun = soil_of(survey), survey.simulation[0]
     if world not in (None, begun.world):
         raise JournalError(
-            f"it was begun in the soil {begun.world!r} and does not go on in {world!r}",
+            f"it was begun in the soil {brief(begun.world)!r} and does not go on in {world!r}",
             where=survey.name,
-            remedy=f"give --world {begun.world}, or start another survey",
+            remedy=f"give --world {brief(begun.world)}, or start another survey",
         )
     return truth, begun
 

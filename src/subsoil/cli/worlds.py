@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from subsoil.errors import JournalError, ParameterError
+from subsoil.errors import JournalError, ParameterError, brief, listed
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate, surrogate
@@ -53,7 +53,9 @@ def check_world(world: str) -> None:
     """
     if world not in WORLDS:
         raise ParameterError(
-            f"there is no world {world!r}", where="world", remedy=f"one of {', '.join(WORLDS)}"
+            f"there is no world {brief(world)!r}",
+            where="world",
+            remedy=f"one of {', '.join(WORLDS)}",
         )
 
 
@@ -75,7 +77,7 @@ def soil_of(survey: Survey) -> Truth:
     real = [agent.name for agent in survey.agents if agent.kind != "simulator"]
     if real:
         raise JournalError(
-            f"{', '.join(real)} began it on real land, which is not simulated",
+            f"{listed(real)} began it on real land, which is not simulated",
             where=survey.name,
             remedy="let that agent go on, or start another survey for a simulation",
         )
@@ -88,7 +90,7 @@ def soil_of(survey: Survey) -> Truth:
     again = simulation_of(truth, before.world, before.seed)
     if before.check_kpa and not np.allclose(before.check_kpa, again.check_kpa, rtol=1e-6):
         raise JournalError(
-            f"the soil it was simulated in, {before.world} of seed {before.seed}, comes out "
+            f"the soil it was simulated in, {brief(before.world)} of seed {before.seed}, comes out "
             "differently here",
             where=survey.name,
             remedy="go on with the version of subsoil and the data that began it",

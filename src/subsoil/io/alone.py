@@ -15,7 +15,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from subsoil.errors import InputError
+from subsoil.errors import InputError, brief
 
 _TIFF = (b"II*\x00", b"MM\x00*", b"II+\x00", b"MM\x00+")
 _BEGINNINGS = {
@@ -90,12 +90,14 @@ def _check_database(copy: Path, file: str, wrong: type[InputError]) -> None:
         with closing(sqlite3.connect(f"{copy.as_uri()}?mode=ro", uri=True)) as database:
             items = database.execute("select name, coalesce(sql, '') from sqlite_master").fetchall()
     except (sqlite3.Error, UnicodeDecodeError) as error:
-        raise wrong(f"it is damaged: {error}", where=file, remedy="export it again") from error
+        raise wrong(
+            f"it is damaged: {brief(str(error), 200)}", where=file, remedy="export it again"
+        ) from error
     for name, sql in items:
         virtual = re.match(r"\s*create\s+virtual\s+table", sql, re.IGNORECASE)
         if _CALLS_OUT.search(sql) or (virtual and not _HARMLESS_TABLE.search(sql)):
             raise wrong(
-                f"reading its table or view {str(name)[:40]!r} would run something",
+                f"reading its table or view {brief(str(name))!r} would run something",
                 where=file,
                 remedy="export the layer alone",
             )

@@ -11,7 +11,8 @@
 ========================  =====================================================================
 
 One polygon is the field. Further polygons whose property ``role`` is ``"keep-out"`` are areas in
-which nothing is probed.
+which nothing is probed. Points, lines and layers of them beside it are not used, and the notes of
+the field name them.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from pathlib import Path
 
 import shapely
 
-from subsoil.errors import BoundaryError
+from subsoil.errors import BoundaryError, brief
 from subsoil.field import Field
 from subsoil.frames import WGS84, metres_frame, project, stretch
 from subsoil.io.corners import read_coords, read_corners
@@ -71,7 +72,8 @@ def read_field(
     -------
     Field
         In the frame of the file if its metres are metres on the ground there, else in the UTM
-        zone of its centre; named after the file. Its notes say what was moved.
+        zone of its centre; named after the file. Its notes say what was moved, and what of the
+        files is not used.
 
     Raises
     ------
@@ -87,11 +89,13 @@ def read_field(
     drawing = _read(path, crs)
     field = _field(drawing, cell_size, path.name)
     barred = _place(drawing.keep_outs, drawing.crs, field, path.name)
+    notes = (*field.notes, *drawing.notes, *_idle(barred, field, path.name))
     if keep_outs is not None:
-        other = _read(Path(keep_outs), crs)
-        areas = other.outlines + other.keep_outs
-        barred += _place(areas, other.crs, field, Path(keep_outs).name)
-    return replace(field, keep_outs=barred) if barred else field
+        file = Path(keep_outs)
+        other = _read(file, crs)
+        more = _place(other.outlines + other.keep_outs, other.crs, field, file.name)
+        barred, notes = barred + more, (*notes, *other.notes, *_idle(more, field, file.name))
+    return replace(field, keep_outs=barred, notes=notes) if barred or notes else field
 
 
 def _read(path: Path, crs: str | None) -> Drawing:
@@ -124,7 +128,10 @@ def _field(drawing: Drawing, cell_size: float, name: str) -> Field:
         _move(outline, field.crs, WGS84, name), cell_size=cell_size, name=name
     )
     off = 100 * stretch(field.crs, field.entrance)
-    note = f"{name}: metres of {field.crs} are {off:.2g} % off here, so it is kept in {moved.crs}"
+    note = (
+        f"{name}: metres of {brief(field.crs)} are {off:.2g} % off here, "
+        f"so it is kept in {moved.crs}"
+    )
     return replace(moved, notes=(note,))
 
 
@@ -139,6 +146,12 @@ def _place(areas: tuple[Area, ...], crs: str, field: Field, file: str) -> tuple[
             remedy="check their CRS and the order of latitude and longitude",
         )
     return areas
+
+
+def _idle(areas: tuple[Area, ...], field: Field, file: str) -> tuple[str, ...]:
+    """Note on keep-outs that keep nobody out of the field, if there are any."""
+    idle = sum(not area.intersects(field.boundary) for area in areas)
+    return (f"{file}: {idle} of {len(areas)} keep-outs do not touch the field",) if idle else ()
 
 
 def _move(area: Area, source: str, target: str, file: str) -> Area:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from subsoil.errors import BoundaryError
+from subsoil.errors import BoundaryError, brief
 from subsoil.frames import WGS84
 from subsoil.io.drawing import Drawing, Feature, draw, frame
 from subsoil.io.marks import check_marks
@@ -62,7 +62,7 @@ def read_corners(path: Path, crs: str | None) -> Drawing:
     if sorted(columns) == ["easting", "northing"]:
         return _outline(lines[1:], columns, home, path.name)
     raise BoundaryError(
-        f"columns {first!r} are not known", where=f"{path.name}, row {row}", remedy=_HEADER
+        f"columns {brief(first)!r} are not known", where=f"{path.name}, row {row}", remedy=_HEADER
     )
 
 
@@ -88,7 +88,7 @@ def _outline(lines: Lines, columns: list[str], crs: str, file: str) -> Drawing:
         corners.append((x, y))
     if not corners:
         raise BoundaryError("there is no corner below the header", where=file)
-    return draw([Feature(file, polygon(corners, file))], crs)
+    return draw([Feature(file, polygon(corners, file))], crs, file)
 
 
 def _check_marks(lines: Lines, crs: str, file: str) -> None:
@@ -113,13 +113,15 @@ def _pair(line: str, where: str) -> tuple[float, float]:
     if commas:
         a, b, c, d = commas.groups()
         raise BoundaryError(
-            f"{line!r} has decimal commas", where=where, remedy=f"write {a}.{b}, {c}.{d}"
+            f"{brief(line)!r} has decimal commas",
+            where=where,
+            remedy=f"write {brief(f'{a}.{b}, {c}.{d}')}",
         )
     words = _APART.split(line)
     try:
         first, second = (number(word) for word in words)
     except ValueError as error:
-        what = str(error) if len(words) == 2 else f"{line!r} is not two numbers"
+        what = str(error) if len(words) == 2 else f"{brief(line)!r} is not two numbers"
         raise BoundaryError(
             what, where=where, remedy="write a corner a line, 52.1, -0.5"
         ) from error

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from subsoil.errors import ReadingsError
+from subsoil.errors import ReadingsError, brief, listed
 from subsoil.field import Field
 from subsoil.frames import project
 from subsoil.io.geotiff import read_geotiff
@@ -157,9 +157,9 @@ def _chosen(column: str | None, names: list[str], file: str) -> str:
     if column is None and len(names) == 1:
         return names[0]
     raise ReadingsError(
-        f"there is no column {column!r}" if column else f"{len(names)} columns may be meant",
+        f"there is no column {brief(column)!r}" if column else f"{len(names)} columns may be meant",
         where=file,
-        remedy=f"name one with --column: {', '.join(names) or 'there is none'}",
+        remedy=f"name one with --column: {listed(names, 20) or 'there is none'}",
     )
 
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from shapely.geometry import MultiPolygon, Polygon
-from shapely.geometry.base import BaseGeometry
-
-from subsoil.errors import BoundaryError
+from subsoil.errors import BoundaryError, brief, listed
 from subsoil.frames import WGS84, named_crs
 from subsoil.outline import Area, check_outline
 
 KEEP_OUT = "keep-out"
 """Value of a feature's property ``role`` that marks an area in which nothing is probed."""
+NOTHING = "feature without geometry"
+"""What a feature is that has no shape."""
+_BESIDE = {
+    "Point", "MultiPoint", "LineString", "MultiLineString", "LinearRing", "Track", "MultiTrack",
+    "Model", "NetworkLink", "GroundOverlay", NOTHING,
+}  # fmt: skip
+"""Shapes that a file may have beside its outline: gates, drains, wheel tracks."""
 
 
 @dataclass(frozen=True)
@@ -25,13 +29,13 @@ class Feature:
     where
         File and feature, for messages.
     shape
-        Its geometry, x before y.
+        Its area, x before y; the name of its kind if it is none.
     role
         Its property ``role``, empty if it has none.
     """
 
     where: str
-    shape: BaseGeometry
+    shape: Area | str
     role: str = ""
 
 
@@ -45,30 +49,44 @@ class Drawing:
         :data:`~subsoil.frames.WGS84`, a metric CRS, or empty for a local frame.
     outlines, keep_outs
         Valid areas that are not, and that are, marked as keep-outs.
+    notes
+        What of the file is not in them, a sentence each.
     """
 
     crs: str
     outlines: tuple[Area, ...]
     keep_outs: tuple[Area, ...]
+    notes: tuple[str, ...] = ()
 
 
-def draw(features: Iterable[Feature], crs: str) -> Drawing:
-    """Sort features into outlines and keep-outs.
+def draw(features: Iterable[Feature], crs: str, file: str) -> Drawing:
+    """Sort features into outlines and keep-outs; points and lines beside them are noted.
 
     Raises
     ------
     BoundaryError
-        If one is no polygon, empty, or crosses itself; the message names it.
+        If there is none but points and lines, one of these is marked as a keep-out, or an area
+        is empty or crosses itself; the message names it.
     """
     outlines: list[Area] = []
     keep_outs: list[Area] = []
+    others: list[Feature] = []
     for feature in features:
-        area = feature.shape
-        if not isinstance(area, Polygon | MultiPolygon):
-            raise not_an_outline(area.geom_type, feature.where)
-        check_outline(area, feature.where)
-        (keep_outs if feature.role == KEEP_OUT else outlines).append(area)
-    return Drawing(crs, tuple(outlines), tuple(keep_outs))
+        if isinstance(feature.shape, str):
+            others.append(feature)
+            continue
+        check_outline(feature.shape, feature.where)
+        (keep_outs if feature.role == KEEP_OUT else outlines).append(feature.shape)
+    for other in others:
+        if other.role == KEEP_OUT or other.shape not in _BESIDE or not (outlines or keep_outs):
+            raise not_an_outline(str(other.shape), other.where)
+    left = [f"{other.shape} of {other.where}".replace(f" of {file}, ", " of ") for other in others]
+    return Drawing(crs, tuple(outlines), tuple(keep_outs), left_alone(left, file))
+
+
+def left_alone(names: Sequence[str], file: str) -> tuple[str, ...]:
+    """Note on what of a file is not used, if anything is not."""
+    return (f"{file}: no polygons, left alone: {listed(names)}",) if names else ()
 
 
 def not_an_outline(kind: str, where: str) -> BoundaryError:
@@ -99,7 +117,7 @@ def frame(name: str, where: str) -> str:
         return ":".join(authority) if authority else crs.to_wkt()
     if authority not in (("EPSG", "4326"), ("OGC", "CRS84")):
         raise BoundaryError(
-            f"longitudes and latitudes are of {crs.name}, not of WGS84",
+            f"longitudes and latitudes are of {brief(crs.name)}, not of WGS84",
             where=where,
             remedy="export the file again in WGS84",
         )

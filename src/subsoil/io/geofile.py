@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -13,10 +13,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.errors import ShapelyError
+from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.errors import BoundaryError, InputError, MissingExtraError
+from subsoil.errors import BoundaryError, InputError, MissingExtraError, brief, listed
 from subsoil.io.alone import alone
-from subsoil.io.drawing import Drawing, Feature, draw, frame
+from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, frame, left_alone
 from subsoil.io.text import check_file
 
 
@@ -32,11 +33,14 @@ class Layer:
         (n,) geometries as WKB.
     fields
         (n,) values of each attribute, by its name.
+    others
+        Layers of other shapes that the file has.
     """
 
     crs: str
     shapes: NDArray[Any]
     fields: dict[str, NDArray[Any]]
+    others: tuple[str, ...] = ()
 
 
 def read_geofile(path: Path, crs: str | None) -> Drawing:
@@ -65,7 +69,10 @@ def read_geofile(path: Path, crs: str | None) -> Drawing:
             remedy="keep the .prj file beside it, or name the CRS",
         )
     roles = layer.fields.get("role", np.full(len(layer.shapes), ""))
-    return draw(_features(layer.shapes, roles, path.name), frame(home, path.name))
+    features = _features(layer.shapes, roles, path.name)
+    drawing = draw(features, frame(home, path.name), path.name)
+    others = left_alone([f"layer {name}" for name in layer.others], path.name)
+    return replace(drawing, notes=(*drawing.notes, *others))
 
 
 def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:
@@ -92,15 +99,19 @@ def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:
     with alone(path, wrong) as copy:
         _check_prj(copy.with_suffix(".prj"), path, wrong)
         try:
-            name = _named(pyogrio.list_layers(copy), kind, path.name, wrong)
+            layers = [(name, of) for name, of in pyogrio.list_layers(copy) if of]
+            name = _named(layers, kind, path.name, wrong)
             meta, _, shapes, columns = pyogrio.raw.read(copy, layer=name, force_2d=True)
         except (RuntimeError, ValueError) as error:
+            said = " ".join(str(error).split())
             raise wrong(
-                f"GDAL cannot read it: {' '.join(str(error).split())}".replace(str(copy), "it"),
+                f"GDAL cannot read it: {brief(said.replace(str(copy), 'it'), 200)}",
                 where=path.name,
                 remedy="export it again",
             ) from error
-    return Layer(meta["crs"] or "", shapes, dict(zip(meta["fields"], columns, strict=True)))
+    fields = dict(zip(meta["fields"], columns, strict=True))
+    others = tuple(str(each) for each, _ in layers if each != name)
+    return Layer(meta["crs"] or "", shapes, fields, others)
 
 
 def _check_prj(prj: Path, path: Path, wrong: type[InputError]) -> None:
@@ -121,19 +132,19 @@ def _features(shapes: NDArray[Any], roles: NDArray[Any], file: str) -> Iterator[
     for k, (shape, role) in enumerate(zip(shapes, roles, strict=True), 1):
         where = f"{file}, feature {k}"
         try:
-            geometry = shapely.from_wkb(shape) if shape else shapely.Polygon()
+            geometry = shapely.from_wkb(shape) if shape else None
         except ShapelyError as error:
             raise BoundaryError("its geometry cannot be read", where=where) from error
-        yield Feature(where, geometry, str(role or ""))
+        kind = NOTHING if geometry is None else geometry.geom_type
+        area = geometry if isinstance(geometry, Polygon | MultiPolygon) else kind
+        yield Feature(where, area, str(role or ""))
 
 
-def _named(
-    layers: list[tuple[str, str | None]], kind: str, file: str, wrong: type[InputError]
-) -> str:
-    names = [name for name, of in layers if of and (kind in of or of == "Unknown")]
+def _named(layers: list[tuple[str, str]], kind: str, file: str, wrong: type[InputError]) -> str:
+    names = [name for name, of in layers if kind in of or of == "Unknown"]
     if len(names) != 1:
         raise wrong(
-            f"layers of {kind.lower()}s: {', '.join(names) or 'none'}",
+            f"layers of {kind.lower()}s: {listed(names) or 'none'}",
             where=file,
             remedy="save a file with that layer alone",
         )

@@ -12,10 +12,10 @@ from typing import Any
 
 from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.errors import BoundaryError
+from subsoil.errors import BoundaryError, brief
 from subsoil.frames import WGS84
-from subsoil.io.drawing import Drawing, Feature, draw, frame, not_an_outline
-from subsoil.io.text import brief, read_text
+from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, frame
+from subsoil.io.text import read_text
 from subsoil.outline import Area, polygon
 
 
@@ -32,12 +32,13 @@ def read_geojson(path: Path, crs: str | None) -> Drawing:
     Raises
     ------
     BoundaryError
-        If it is not JSON or not GeoJSON, or if a feature is not a usable polygon; the message
+        If it is not JSON or not GeoJSON, has no polygon, or one that is not usable; the message
         names the line or the feature.
     """
     document = _json(read_text(path, BoundaryError), path.name)
     home = _home(document, path.name) or crs
-    return draw(_features(document, path.name), frame(home, path.name) if home else WGS84)
+    crs = frame(home, path.name) if home else WGS84
+    return draw(_features(document, path.name), crs, path.name)
 
 
 def features_of(path: Path) -> tuple[list[Any], str]:
@@ -113,7 +114,7 @@ def _features(document: dict[str, Any], file: str) -> Iterator[Feature]:
         for k, feature in enumerate(features if isinstance(features, list) else [], 1):
             yield _feature(feature, f"{file}, feature {k}")
     else:
-        yield Feature(file, _area(document, file))
+        yield Feature(file, _shape(document, file))
 
 
 def _feature(feature: Any, where: str) -> Feature:
@@ -123,16 +124,15 @@ def _feature(feature: Any, where: str) -> Feature:
     properties = properties if isinstance(properties, dict) else {}
     if properties.get("name"):
         where = f"{where} ({brief(str(properties['name']))})"
-    return Feature(where, _area(feature.get("geometry"), where), str(properties.get("role", "")))
+    return Feature(where, _shape(feature.get("geometry"), where), str(properties.get("role", "")))
 
 
-def _area(geometry: Any, where: str) -> Area:
+def _shape(geometry: Any, where: str) -> Area | str:
+    """Area of a geometry; the name of its kind if it is none."""
     geometry = geometry if isinstance(geometry, dict) else {}
     kind, coordinates = geometry.get("type"), geometry.get("coordinates")
     if kind not in ("Polygon", "MultiPolygon"):
-        raise not_an_outline(
-            brief(str(kind)) if isinstance(kind, str) else "feature without geometry", where
-        )
+        return brief(kind) if isinstance(kind, str) else NOTHING
     if not (isinstance(coordinates, list) and coordinates):
         raise BoundaryError("it has no coordinates", where=where, remedy="draw the outline again")
     if kind == "Polygon":

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.errors import MissingExtraError, ReadingsError
+from subsoil.errors import MissingExtraError, ReadingsError, brief
 from subsoil.field import Field
 from subsoil.io.alone import alone
 
@@ -56,7 +56,7 @@ def read_geotiff(path: Path, field: Field, crs: str | None) -> Floats:
             return _averaged(raster, field, _frame(raster, field, crs, path.name))
     except rasterio.errors.RasterioError as error:
         raise ReadingsError(
-            f"GDAL cannot read it: {' '.join(str(error).split())}",
+            f"GDAL cannot read it: {brief(' '.join(str(error).split()), 200)}",
             where=path.name,
             remedy="export it again as a GeoTIFF",
         ) from error

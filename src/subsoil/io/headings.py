@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from subsoil.errors import ReadingsError
+from subsoil.errors import ReadingsError, brief, listed
 from subsoil.io.records import KPA, Floats, depth_of
-from subsoil.io.text import POSITION_COLUMNS, listed
+from subsoil.io.text import POSITION_COLUMNS
 
 _DEPTH = re.compile(
     r"(?:(?P<unit>[a-z]+)[_ ])?(?P<depth>\d+(?:[.p]\d+)?)[_ ]?(?P<length>mm|cm|m|in)?"
@@ -155,7 +155,9 @@ def _unit(match: re.Match[str], where: str) -> str:
     unit = match["unit"] or ""
     if unit not in ("", "n", *KPA):
         raise ReadingsError(
-            f"unit {unit!r} is unknown", where=f"{where}, column {match[0]}", remedy=_REMEDY
+            f"unit {brief(unit)!r} is unknown",
+            where=f"{where}, column {brief(match[0])}",
+            remedy=_REMEDY,
         )
     return unit
 
@@ -165,5 +167,5 @@ def _depth(match: re.Match[str], where: str) -> float:
         return depth_of(f"{match['depth']} {match['length'] or ''}")
     except ValueError as error:
         raise ReadingsError(
-            str(error), where=f"{where}, column {match[0]}", remedy=_REMEDY
+            str(error), where=f"{where}, column {brief(match[0])}", remedy=_REMEDY
         ) from error

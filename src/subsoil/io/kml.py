@@ -1,6 +1,7 @@
 """Outlines as KML: WGS84, longitude first.
 
-Only polygons are read, of the file itself: links to other files are not followed.
+Only polygons are read, of the file itself: links to other files are not followed. Pins, lines and
+links beside them are noted.
 """
 
 from __future__ import annotations
@@ -13,19 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.errors import BoundaryError
+from subsoil.errors import BoundaryError, brief
 from subsoil.frames import WGS84
-from subsoil.io.drawing import Drawing, Feature, draw, not_an_outline
-from subsoil.io.text import brief, read_text
+from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, not_an_outline
+from subsoil.io.text import read_text
 from subsoil.outline import polygon
 
 Element = ElementTree.Element
 
-_SHAPES = ("Point", "LineString", "LinearRing", "Track", "Model")
+_SHAPES = ("Point", "LineString", "LinearRing", "Track", "MultiTrack", "Model")
+_LINKS = ("NetworkLink", "GroundOverlay")
 
 
 def read_kml(path: Path) -> Drawing:
-    """Read the polygons of all placemarks; pins and lines beside them are left alone.
+    """Read the polygons of all placemarks; what is beside them is noted.
 
     Raises
     ------
@@ -34,11 +36,11 @@ def read_kml(path: Path) -> Drawing:
     """
     root = _parsed(read_text(path, BoundaryError), path.name)
     places = [each for each in root.iter() if _kind(each) == "Placemark"]
-    features = [feature for k, each in enumerate(places, 1) for feature in _feature(each, k, path)]
-    if features:
-        return draw(features, WGS84)
-    shapes = [_kind(each) for place in places for each in place.iter() if _kind(each) in _SHAPES]
-    raise not_an_outline(shapes[0] if shapes else "file without a polygon", path.name)
+    features = [each for k, place in enumerate(places, 1) for each in _features(place, k, path)]
+    if not features:
+        raise not_an_outline("file without a polygon", path.name)
+    links = [Feature(path.name, _kind(each)) for each in root.iter() if _kind(each) in _LINKS]
+    return draw([*features, *links], WGS84, path.name)
 
 
 def _parsed(text: str, file: str) -> Element:
@@ -50,7 +52,9 @@ def _parsed(text: str, file: str) -> Element:
         root = ElementTree.fromstring(text.partition("?>")[2] if text.startswith("<?xml") else text)
     except (ElementTree.ParseError, RecursionError) as error:
         raise BoundaryError(
-            f"this is not XML: {error}", where=file, remedy="export it again as KML"
+            f"this is not XML: {brief(str(error), 200)}",
+            where=file,
+            remedy="export it again as KML",
         ) from error
     if _kind(root) != "kml":
         raise BoundaryError(
@@ -59,13 +63,19 @@ def _parsed(text: str, file: str) -> Element:
     return root
 
 
-def _feature(place: Element, number: int, path: Path) -> Iterator[Feature]:
+def _features(place: Element, number: int, path: Path) -> Iterator[Feature]:
+    """Polygons of a placemark as one, and what else is drawn there."""
     name = next((each.text or "" for each in place if _kind(each) == "name"), "").strip()
     where = f"{path.name}, feature {number}" + (f" ({brief(name)})" if name else "")
-    found = [_polygon(each, where) for each in place.iter() if _kind(each) == "Polygon"]
-    if found:
-        shape = found[0] if len(found) == 1 else MultiPolygon(found)
-        yield Feature(where, shape, _role(place))
+    drawn = [each for each in place.iter() if _kind(each) == "Polygon"]
+    rings = {ring for each in drawn for ring in each.iter()}
+    if drawn:
+        found = [_polygon(each, where) for each in drawn]
+        yield Feature(where, found[0] if len(found) == 1 else MultiPolygon(found), _role(place))
+    others = [_kind(each) for each in place.iter() if each not in rings]
+    shapes = [kind for kind in others if kind in _SHAPES]
+    for kind in shapes or ([] if drawn else [NOTHING]):
+        yield Feature(where, kind, "" if drawn else _role(place))
 
 
 def _role(place: Element) -> str:

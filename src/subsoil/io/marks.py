@@ -10,6 +10,8 @@ import math
 import re
 from collections.abc import Iterable
 
+from subsoil.errors import brief
+
 _GROUPED = re.compile(
     r"[+-]?\d{1,3}(?:[\s'’_]\d{3})+(?:[.,]\d*)?|[+-]?\d{1,3}([.,])\d{3}(?:\1\d{3})+"
 )
@@ -45,7 +47,7 @@ def check_marks(cells: Iterable[str], *, most: float | None = None) -> None:
     numbers = [text for text in texts if any(c.isdigit() for c in text)]
     for text in numbers:
         if _GROUPED.fullmatch(text) or ("." in text and "," in text):
-            raise ValueError(f"{text!r} has a thousands mark")
+            raise ValueError(f"{brief(text)!r} has a thousands mark")
     for mark in ".,":
         marked = [text for text in numbers if mark in text]
         if not marked or not all(_THOUSANDS.fullmatch(text) for text in marked):

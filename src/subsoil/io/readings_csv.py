@@ -23,12 +23,12 @@ from pathlib import Path
 
 import numpy as np
 
-from subsoil.errors import ReadingsError
+from subsoil.errors import ReadingsError, brief, listed
 from subsoil.io.headings import Columns, columns_of
 from subsoil.io.marks import check_marks
 from subsoil.io.missing import is_missing
 from subsoil.io.records import HARDEST_KPA, KPA, Finding, Record, Recording
-from subsoil.io.text import listed, number, read_text
+from subsoil.io.text import number, read_text
 
 Row = tuple[int, list[str]]
 
@@ -107,7 +107,7 @@ def _record(row: int, cells: list[str], columns: Columns, decimal: str) -> Recor
         try:
             return number(cells[k], decimal)
         except ValueError as error:
-            raise ValueError(f"{error} (column {columns.names[k]})") from None
+            raise ValueError(f"{error} (column {brief(columns.names[k])})") from None
 
     values = [math.nan if is_missing(cells[k]) else read(k) for k in columns.depths]
     return Record(row, read(columns.x), read(columns.y), columns.depth_m, np.array(values))

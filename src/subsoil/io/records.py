@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.errors import ReadingsError
+from subsoil.errors import ReadingsError, brief
 from subsoil.penetrometer import Cone
 
 Floats = NDArray[np.float64]
@@ -105,10 +105,10 @@ def depth_of(label: str) -> float:
     """
     found = _DEPTH.fullmatch(label.strip())
     if not found:
-        raise ValueError(f"{label[:40]!r} is not a depth with its unit, such as 2.5 cm")
+        raise ValueError(f"{brief(label)!r} is not a depth with its unit, such as 2.5 cm")
     depth = round(float(found[1].lower().replace("p", ".")) * _METRES[found[2].lower()], 6)
     if depth > 3:
-        raise ValueError(f"{label[:40]!r} is deeper than 3 m")
+        raise ValueError(f"{brief(label)!r} is deeper than 3 m")
     return depth
 
 

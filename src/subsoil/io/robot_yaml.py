@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 import yaml
 
-from subsoil.errors import ReadingsError
+from subsoil.errors import ReadingsError, brief
 from subsoil.io.missing import is_missing
 from subsoil.io.records import Finding, Floats, Record, Recording, depth_of
-from subsoil.io.text import brief, read_text
+from subsoil.io.text import read_text
 
 _SafeLoader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """The fast one where there is one."""
@@ -90,9 +90,10 @@ def _yaml(text: str, file: str) -> dict[str, Any]:
     try:
         document = yaml.load(text, Loader=_Loader)
     except (yaml.YAMLError, RecursionError, ValueError) as error:
-        mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
+        mark = getattr(error, "problem_mark", None)
+        problem = getattr(error, "problem", None) or "it is nested too deeply"
         raise ReadingsError(
-            f"this is not YAML as a robot writes it: {problem or 'it is nested too deeply'}",
+            f"this is not YAML as a robot writes it: {brief(problem, 200)}",
             where=f"{file}, line {mark.line + 1}" if mark else file,
             remedy="export it again",
         ) from error

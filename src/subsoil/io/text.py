@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from pathlib import Path
 
-from subsoil.errors import InputError
+from subsoil.errors import InputError, brief
 
 POSITION_COLUMNS = {
     "lat": "latitude",
@@ -61,29 +60,6 @@ def read_text(path: Path, wrong: type[InputError]) -> str:
     if not text.strip():
         raise wrong("the file is empty", where=path.name, remedy="export it again")
     return text
-
-
-def listed(names: Sequence[str], most: int = 6) -> str:
-    """Names in a message, cut short where there are many or one is long.
-
-    Examples
-    --------
-    >>> listed(["a", "b", "c"], 2)
-    'a, b and 1 more'
-    """
-    shown = ", ".join(brief(name) for name in names[:most])
-    return f"{shown} and {len(names) - most} more" if len(names) > most else shown
-
-
-def brief(text: str, most: int = 40) -> str:
-    """Text in a message, cut short where it is long.
-
-    Examples
-    --------
-    >>> brief("a" * 50, 5)
-    'aaaaa...'
-    """
-    return text if len(text) <= most else f"{text[:most]}..."
 
 
 def number(text: str, decimal: str = ".") -> float:

@@ -22,7 +22,7 @@ def whole(path: Path) -> Iterator[Path]:
     ...     _ = unfinished.write_text("done")
     """
     path = Path(path)
-    with TemporaryDirectory(dir=path.parent, prefix=f".{path.name}-") as room:
+    with TemporaryDirectory(dir=path.parent, prefix=".unfinished-") as room:
         unfinished = Path(room) / path.name
         yield unfinished
         os.replace(unfinished, path)

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from subsoil.errors import CorruptJournalError, JournalError, printable
+from subsoil.errors import CorruptJournalError, JournalError, brief, printable
 from subsoil.journal.geopackage import APPLICATION_ID
 from subsoil.journal.owner import OWNER
 
@@ -106,11 +106,12 @@ def explained(path: Path) -> Iterator[None]:
     except sqlite3.Error as error:
         if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_NOTADB:
             raise _foreign(path, "no GeoPackage") from error
-        if any(word in str(error).lower() for word in _DAMAGED):
-            raise _damaged(path, printable(str(error))) from error
-        raise JournalError(printable(str(error)), where=str(path), remedy=_remedy(error)) from error
+        said = brief(printable(str(error)), 200)
+        if any(word in said.lower() for word in _DAMAGED):
+            raise _damaged(path, said) from error
+        raise JournalError(said, where=str(path), remedy=_remedy(error)) from error
     except OSError as error:
-        what = error.strerror or printable(str(error))
+        what = error.strerror or brief(printable(str(error)), 200)
         raise JournalError(what, where=str(path), remedy=_remedy(error)) from error
 
 

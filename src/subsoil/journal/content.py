@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from subsoil.errors import CorruptJournalError, JournalError, SubsoilError
+from subsoil.errors import CorruptJournalError, JournalError, SubsoilError, brief
 from subsoil.survey.events import Event, Opened
 from subsoil.survey.formats import Reader
 
@@ -154,11 +154,12 @@ def read_row(reader: Reader, row: Recorded, path: Path) -> tuple[Event, ...]:
     except (CorruptJournalError, JournalError) as error:
         raise JournalError(error.what, where=where, remedy=error.remedy) from error
     except ValidationError as error:
-        what = error.errors()[0]["msg"]
+        first = error.errors()[0]
+        what = ": ".join(filter(None, (".".join(map(str, first["loc"])), first["msg"])))
     except (ValueError, KeyError, TypeError, AttributeError, SubsoilError) as error:
         what = f"{type(error).__name__}: {error}"
     raise CorruptJournalError(
-        f"the event cannot be read: {what[:200]}",
+        f"the event cannot be read: {brief(what, 200)}",
         where=where,
         remedy="use the version of subsoil that wrote the file, or a newer one",
     )

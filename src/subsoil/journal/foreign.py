@@ -6,6 +6,7 @@ import re
 import sqlite3
 from dataclasses import dataclass
 
+from subsoil.errors import brief
 from subsoil.journal.content import ANCHOR_TABLE
 from subsoil.journal.gis import LAYERS
 from subsoil.journal.owner import OWNER
@@ -62,8 +63,8 @@ def foreign(database: sqlite3.Connection) -> Foreign:
             index = _INDEX.match(name)
             known.add(f"spatial index of {index[1]}" if index else name)
         else:
-            place = f" on {table}" if kind in {"trigger", "index"} else ""
-            strange.append(f"{kind} {name!r}{place} of another program is in the file")
+            place = f" on {brief(table)}" if kind in {"trigger", "index"} else ""
+            strange.append(f"{kind} {brief(name)!r}{place} of another program is in the file")
     return Foreign(tuple(strange), ", ".join(sorted(known)))
 
 

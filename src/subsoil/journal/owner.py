@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
+from subsoil.errors import brief
 from subsoil.journal.geopackage import add_table
 from subsoil.journal.lock import identity_of
 
@@ -44,7 +45,7 @@ def sign(database: sqlite3.Connection, path: Path) -> None:
     row = (
         f"process {os.getpid()} of {_user()} on {socket.gethostname()}",
         datetime.now(UTC).isoformat(timespec="seconds"),
-        str(path.resolve()),
+        str(path.resolve()).encode(errors="replace").decode(),
         device,
         number,
         _boot(),
@@ -62,7 +63,8 @@ def name(database: sqlite3.Connection) -> str:
     row = _row(database)
     if not row:
         return ""
-    return f"{row.get('who', 'another process')}, since {row.get('since', 'unknown')},"
+    who, since = row.get("who", "another process"), row.get("since", "unknown")
+    return f"{brief(who, 200)}, since {brief(since)},"
 
 
 def wal_elsewhere(database: sqlite3.Connection, path: Path) -> Path | None:

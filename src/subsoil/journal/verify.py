@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from datetime import datetime
 from pathlib import Path
 
-from subsoil.errors import CorruptJournalError, SubsoilError, printable
+from subsoil.errors import CorruptJournalError, SubsoilError, brief, printable
 from subsoil.journal import format_0, gis
 from subsoil.journal.connection import reading
 from subsoil.journal.content import ROOT, Recorded, cut_off, digest_of, read_row, rows_of
@@ -110,7 +110,7 @@ def _columns(row: Recorded, event: Event) -> Iterator[str]:
     """Columns of an event's row that differ from the event."""
     recorded = _time(row.recorded)
     if recorded is None:
-        yield f"event {row.seq}: recorded at {row.recorded[:40]!r}, which is no time"
+        yield f"event {row.seq}: recorded at {brief(row.recorded)!r}, which is no time"
     elif event.time is not None and recorded != _milliseconds(event.time):
         yield f"event {row.seq}: column recorded differs from the event"
     if row.id != event.id and not event.id.startswith(row.id):
@@ -142,7 +142,7 @@ def _layers(
             yield from _table(database, table, rows)
             yield from _index(database, table)
         except (sqlite3.Error, ValueError) as error:
-            yield f"layer {table}: {error}"
+            yield f"layer {table}: {brief(str(error), 200)}"
 
 
 def _registered(database: sqlite3.Connection, crs: str) -> Iterator[str]:
@@ -159,7 +159,7 @@ def _registered(database: sqlite3.Connection, crs: str) -> Iterator[str]:
         elif found[layer][:2] != ("features", layer) or found[layer][3] != "geom":
             yield f"layer {layer} is registered as something else"
         elif {found[layer][2], found[layer][4]} != {frame}:
-            yield f"layer {layer} is not in the survey's frame, {crs or 'a local one'}"
+            yield f"layer {layer} is not in the survey's frame, {brief(crs) or 'a local one'}"
 
 
 def _rows(survey: Survey) -> dict[str, list[gis.Row]]:
@@ -185,8 +185,9 @@ def _table(database: sqlite3.Connection, table: str, expected: Iterable[gis.Row]
     for blob, *values in database.execute(f"SELECT geom, {', '.join(names)} FROM {table}"):
         found = dict(zip(names, values, strict=True))
         key = _key(found)
+        shown = brief(str(key))
         if key not in rows or key in seen:
-            yield f"layer {table}: row {key} follows from no event"
+            yield f"layer {table}: row {shown} follows from no event"
             continue
         seen.add(key)
         row = rows[key]
@@ -194,9 +195,9 @@ def _table(database: sqlite3.Connection, table: str, expected: Iterable[gis.Row]
         if not geometry_of(blob).equals_exact(row.geometry, _CLOSE):
             wrong.append("geometry")
         if wrong:
-            yield f"layer {table}: {', '.join(wrong)} of row {key} differ from the events"
+            yield f"layer {table}: {', '.join(wrong)} of row {shown} differ from the events"
     for key in rows.keys() - seen:
-        yield f"layer {table}: row {key} is missing"
+        yield f"layer {table}: row {brief(str(key))} is missing"
 
 
 def _index(database: sqlite3.Connection, table: str) -> Iterator[str]:

@@ -7,7 +7,7 @@ import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from subsoil.errors import MissingExtraError
+from subsoil.errors import MissingExtraError, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -141,7 +141,7 @@ def blank(size: tuple[float, float], title: str, caption: str) -> Figure:
         figure.text(
             0.2 / width,
             1 - down / height,
-            textwrap.shorten(text, int(width * 110 / points), placeholder=" ..."),
+            textwrap.shorten(printable(text), int(width * 110 / points), placeholder=" ..."),
             size=points,
             color=colour,
             va="top",

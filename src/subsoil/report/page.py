@@ -9,7 +9,7 @@ from importlib import import_module, resources
 from pathlib import Path
 from types import ModuleType
 
-from subsoil.errors import MissingExtraError
+from subsoil.errors import MissingExtraError, printable
 from subsoil.io.whole import whole
 from subsoil.plots.album import DPI, survey_figures
 from subsoil.report.wording import headline, notes, rows
@@ -126,7 +126,11 @@ def render(
     """
     jinja2 = _jinja2()
     environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        autoescape=True,
+        finalize=lambda value: printable(value) if isinstance(value, str) else value,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     source = resources.files("subsoil.report").joinpath(_TEMPLATE).read_text(encoding="utf-8")
     text: str = environment.from_string(source).render(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite
 
-from subsoil.errors import ParameterError
+from subsoil.errors import ParameterError, brief
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,9 @@ class Rates:
         code = self.currency
         if not (len(code) == 3 and code.isascii() and code.isalpha() and code.isupper()):
             raise ParameterError(
-                f"{code!r} is no currency", where="currency", remedy="three letters, such as EUR"
+                f"{brief(code)!r} is no currency",
+                where="currency",
+                remedy="three letters, such as EUR",
             )
 
     @property

@@ -10,7 +10,7 @@ from functools import partial
 from inspect import Parameter, signature
 from typing import Any, cast
 
-from subsoil.errors import ParameterError
+from subsoil.errors import ParameterError, brief
 from subsoil.registry import NOBODY, Registry
 from subsoil.strategies.adaptive import adaptive_greedy, adaptive_monte_carlo
 from subsoil.strategies.coverage import area_split, random, w_shape
@@ -74,7 +74,7 @@ def _with_settings(name: str, strategy: Strategy, settings: dict[str, float | st
     for key in settings:
         if key not in known:
             raise ParameterError(
-                f"strategy {name} has no parameter {key!r}",
+                f"strategy {brief(name)} has no parameter {brief(key)!r}",
                 where="strategy",
                 remedy=f"it has {', '.join(known) or 'none'}",
             )
@@ -101,7 +101,7 @@ def _suiting(parameter: Parameter, value: float | str) -> float | str:
             suits = True
     if not suits:
         raise ParameterError(
-            f"{parameter.name} cannot be {value!r}",
+            f"{parameter.name} cannot be {brief(repr(value))}",
             where="strategy",
             remedy=f"use something like {default!r}",
         )

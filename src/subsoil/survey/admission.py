@@ -9,7 +9,7 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 from math import inf, isfinite
 
-from subsoil.errors import BoundaryError, ReportError
+from subsoil.errors import BoundaryError, ReportError, brief, listed, printable
 from subsoil.frames import named_crs, project
 from subsoil.penetrometer import faults, flags_of
 from subsoil.reports import Place, Report, Sampled
@@ -23,6 +23,8 @@ _FARTHEST_M = 1e8
 """More than any easting or northing on Earth."""
 _LEAST_ACCURATE_M = 1e4
 """Standard deviation of a place that nobody who knows where he is reports."""
+_LONGEST_NAME = 100
+"""Letters of a name or an id; a UUID has 36."""
 _AHEAD, _BEHIND = timedelta(hours=1), timedelta(days=3650)
 """How far a clock may be from the host's: readings are entered years later, not before."""
 
@@ -45,28 +47,52 @@ def admitted(survey: Survey, report: Report, now: datetime) -> Report:
         If it cannot be true, its agent never joined, or its place has no way to the field's frame.
     """
     _check_agent(survey, report)
+    _check_ids(report)
     _check_numbers(report)
     if isinstance(report, Sampled):
         _check_further(report)
     report = report.model_copy(update={"at": _placed(survey, report), "frame": ""})
     if isinstance(report, Sampled):
         report = _flagged(survey, report, now)
+    else:
+        report = report.model_copy(update={"reason": printable(report.reason)})
     return report.stamped(now)
 
 
-def _check_agent(survey: Survey, report: Report) -> None:
-    if not report.id:
+def check_name(name: str) -> None:
+    """Check that an agent can be told from others by its name, wherever that is shown.
+
+    Raises
+    ------
+    ReportError
+        If it is empty or long, or has signs that cannot be seen or blanks that can be overlooked.
+    """
+    if fault := _unreadable(name):
         raise ReportError(
-            "it has no id, by which to tell it from the next",
-            where=f"report of {report.agent}",
-            remedy="give each report an id of its own",
+            f"the name {brief(name)!r} of an agent {fault}",
+            where="agent",
+            remedy="call it by letters, digits, signs and single blanks between them",
         )
+
+
+def _unreadable(name: str) -> str:
+    """Why a name cannot be read and told from others; empty if it can."""
+    if not name:
+        return "is empty"
+    if len(name) > _LONGEST_NAME:
+        return f"has {len(name)} letters, more than {_LONGEST_NAME}"
+    if name != printable(name):
+        return "has signs that cannot be printed, or blanks that cannot be seen"
+    return ""
+
+
+def _check_agent(survey: Survey, report: Report) -> None:
     names = [agent.name for agent in survey.agents]
     if report.agent not in names:
         raise ReportError(
-            f"agent {report.agent!r} never joined the survey",
+            f"agent {brief(report.agent)!r} never joined the survey",
             where=survey.name,
-            remedy=f"join first; there are {', '.join(names) or 'no agents'}",
+            remedy=f"join first; there are {listed(names) or 'no agents'}",
         )
     if (report.source.kind == "simulator") != (survey.agent(report.agent).kind == "simulator"):
         raise ReportError(
@@ -74,6 +100,23 @@ def _check_agent(survey: Survey, report: Report) -> None:
             where=f"agent {report.agent}",
             remedy="start a survey of its own for the simulation",
         )
+
+
+def _check_ids(report: Report) -> None:
+    """Check what a report is told from others by; an assignment may be none."""
+    if not report.id:
+        raise ReportError(
+            "it has no id, by which to tell it from the next",
+            where=f"report of {report.agent}",
+            remedy="give each report an id of its own",
+        )
+    for what, name in (("id", report.id), ("assignment", report.assignment)):
+        if name and (fault := _unreadable(name)):
+            raise ReportError(
+                f"its {what} {brief(name)!r} {fault}",
+                where=f"report of {report.agent}",
+                remedy="give it as it was given out, or a UUID",
+            )
 
 
 def _check_numbers(report: Report) -> None:
@@ -105,8 +148,8 @@ def _check_further(report: Sampled) -> None:
     """Check what was measured beside resistance: it is kept, and one day mapped."""
     for quantity in report.reading.further:
         name, depth, values = quantity.name, quantity.depth_m, quantity.values
-        if not name:
-            fault = "a quantity beside resistance has no name"
+        if unreadable := _unreadable(name):
+            fault = f"the name {brief(name)!r} of a quantity beside resistance {unreadable}"
         elif len(values) != (len(depth) or 1):
             fault = f"{len(values)} values of {name} do not pair with {len(depth) or 1} depths"
         elif not all(map(isfinite, (*depth, *values))):
@@ -153,7 +196,7 @@ def _projected(survey: Survey, report: Report) -> Place:
         raise ReportError(error.what, where=where, remedy=error.remedy) from error
     if not (isfinite(moved[0]) and isfinite(moved[1])):
         raise ReportError(
-            f"({east:g}, {north:g}) in {report.frame} has no place in the field's frame",
+            f"({east:g}, {north:g}) in {brief(report.frame)} has no place in the field's frame",
             where=where,
         )
     return float(moved[0]), float(moved[1])
@@ -168,5 +211,7 @@ def _flagged(survey: Survey, report: Sampled, now: datetime) -> Sampled:
         flags.append(OUTSIDE)
     if report.time is not None and not now - _BEHIND <= report.time <= now + _AHEAD:
         flags.append(CLOCK_OFF)
-    reading = report.reading.model_copy(update={"flags": tuple(dict.fromkeys(flags))})
+    reading = report.reading.model_copy(
+        update={"flags": tuple(dict.fromkeys(map(printable, flags)))}
+    )
     return report.model_copy(update={"reading": reading})

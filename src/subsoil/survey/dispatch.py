@@ -17,7 +17,7 @@ from subsoil.agent import Assignment, Done, Wait
 from subsoil.errors import ReportError
 from subsoil.registry import NOBODY
 from subsoil.reports import Kind, Refused, Report, Sampled, Source
-from subsoil.survey.admission import admitted
+from subsoil.survey.admission import admitted, check_name
 from subsoil.survey.decide import settled
 from subsoil.survey.events import (
     Amended,
@@ -122,8 +122,10 @@ class LocalDispatch:
         Raises
         ------
         ReportError
-            If it is simulated and the others are not, or the other way round.
+            If its name cannot be told from others, or it is simulated and the others are not, or
+            the other way round.
         """
+        check_name(agent)
         with self._lock:
             if any(each.kind != kind for each in self.survey.agents if each.name == agent):
                 raise ReportError(f"{agent!r} is another kind of agent", where=self.survey.name)

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, FiniteFloat, TypeAdapter
 
+from subsoil.penetrometer import LARGEST_MM2, SMALLEST_MM2
 from subsoil.reports import Happening, Kind, Place, Plain, Refused, Report, Sampled
 from subsoil.survey.records import FitRecord
 from subsoil.survey.settings import Settings
@@ -35,8 +36,8 @@ class Opened(Happening):
     cell_size_m: float
     layer_edges_m: tuple[float, ...]
     layer_weights: tuple[float, ...]
-    cone_area_mm2: float
-    cone_angle_deg: float
+    cone_area_mm2: float = Field(ge=SMALLEST_MM2, le=LARGEST_MM2)
+    cone_angle_deg: float = Field(gt=0, lt=180)
     covariate: tuple[FiniteFloat, ...] = ()
     """What is known beforehand of each cell, in order, if anything is."""
 

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.errors import CorruptJournalError
+from subsoil.errors import CorruptJournalError, brief, printable
 from subsoil.field import Field
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.layers import Layers
@@ -44,15 +44,19 @@ from subsoil.survey.settings import Settings
 from subsoil.survey.state import NEVER, NO_PLAN, NOTHING_MEASURED, Agent, Survey, with_agent
 from subsoil.ways.open_land import OpenLand
 
+_LONGEST_NAME = 255
+"""Letters of a survey's name that are kept, as many as a file's name has."""
+
 
 def opened(event: Opened) -> Survey:
     """Survey as set up."""
+    name = brief(event.name, _LONGEST_NAME)
     field = Field(
         _area(event.boundary_wkt),
         event.crs,
         tuple(_area(wkt) for wkt in event.keep_outs_wkt),
         event.cell_size_m,
-        event.name,
+        name,
     )
     layers = Layers(event.layer_edges_m, event.layer_weights)
     cone = Cone(event.cone_area_mm2, event.cone_angle_deg)
@@ -62,7 +66,7 @@ def opened(event: Opened) -> Survey:
     soil_map = SoilMap(field, layers, covariate=covariate)
     settings = Settings(start=field.entrance)
     return Survey(
-        event.name, field, layers, cone, OpenLand(field), settings, soil_map,
+        name, field, layers, cone, OpenLand(field), settings, soil_map,
         position=field.entrance,
     )  # fmt: skip
 
@@ -70,7 +74,7 @@ def opened(event: Opened) -> Survey:
 def opening(field: Field, layers: Layers, cone: Cone, covariate: Sequence[float] = ()) -> Opened:
     """Event that sets up a survey; a covariate has one value a cell."""
     return Opened(
-        name=field.name,
+        name=printable(field.name),
         boundary_wkt=_wkt(field.boundary),
         keep_outs_wkt=tuple(_wkt(area) for area in field.keep_outs),
         crs=field.crs,
@@ -205,7 +209,7 @@ def _area(wkt: str) -> Polygon | MultiPolygon:
     try:
         area = shapely.from_wkt(wkt)
     except shapely.errors.ShapelyError as error:
-        raise CorruptJournalError(f"an outline cannot be read: {error}") from error
+        raise CorruptJournalError(f"an outline cannot be read: {brief(str(error))}") from error
     if not isinstance(area, Polygon | MultiPolygon):
         raise CorruptJournalError(f"an outline is a {area.geom_type}, not a polygon")
     return area

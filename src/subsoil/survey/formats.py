@@ -19,7 +19,7 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from subsoil.errors import JournalError
+from subsoil.errors import JournalError, brief
 from subsoil.reports import Reading, Refused, Sampled, Source
 from subsoil.survey.events import (
     FORMAT,
@@ -91,7 +91,8 @@ class Reader:
         """
         if not 0 <= format_ <= FORMAT:
             raise JournalError(
-                f"its format {format_} is newer than {FORMAT}, the newest that is read here",
+                f"its format {brief(str(format_))} is newer than {FORMAT}, "
+                "the newest that is read here",
                 remedy="update subsoil",
             )
         self.format = format_

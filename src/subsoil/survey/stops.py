@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import hypot, isfinite
 
-from subsoil.errors import CorruptJournalError
+from subsoil.errors import CorruptJournalError, brief
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.reports import Place, Refused, Sampled, Source
 from subsoil.strategies.view import Plan
@@ -74,7 +74,7 @@ def agent_of(survey: Survey, name: str) -> Agent:
         return survey.agent(name)
     except KeyError:
         raise CorruptJournalError(
-            f"agent {name!r} never joined",
+            f"agent {brief(name)!r} never joined",
             where=survey.name,
             remedy="go back to a copy of the file",
         ) from None
@@ -202,7 +202,7 @@ def _stop_of(survey: Survey, report: str) -> Stop:
         if any(reading.id == report for reading in stop.readings):
             return stop
     raise CorruptJournalError(
-        f"there is no reading {report!r} to correct",
+        f"there is no reading {brief(report)!r} to correct",
         where=survey.name,
         remedy="go back to a copy of the file",
     )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.errors import ParameterError
+from subsoil.errors import ParameterError, brief
 from subsoil.registry import NOBODY, Registry
 from subsoil.variogram.empirical import (
     EmpiricalVariogram,
@@ -266,7 +266,7 @@ def _checked(
     for key in settings:
         if key not in numbers:
             raise ParameterError(
-                f"estimator {name} has no parameter {key!r} that is a number",
+                f"estimator {brief(name)} has no parameter {brief(key)!r} that is a number",
                 where="estimator",
                 remedy=f"it has {', '.join(numbers) or 'none'}",
             )

@@ -20,7 +20,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from subsoil.errors import ParameterError
+from subsoil.errors import ParameterError, brief
 
 Floats = NDArray[np.float64]
 
@@ -281,7 +281,7 @@ def model_named(name: str) -> type[Bounded]:
     """
     if name not in MODELS:
         raise ParameterError(
-            f"there is no variogram model {name!r}",
+            f"there is no variogram model {brief(name)!r}",
             where="variogram model",
             remedy=f"one of {', '.join(MODELS)}",
         )
