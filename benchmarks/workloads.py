@@ -172,7 +172,7 @@ def dense_gstools(share: float) -> Result:
 def survey_step() -> Result:
     """One survey step at n = 30 on 936 cells: take a sample in, refit, krige, plan, route."""
     from subsoil.agent import Assignment, drive
-    from subsoil.bench.world import TruthReader
+    from subsoil.bench.truths import TruthReader
     from subsoil.penetrometer import LARGE_CONE
     from subsoil.simulation import test_bed
     from subsoil.survey import LocalDispatch, Memory, Settings, opened, opening

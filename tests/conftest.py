@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from subsoil.agent import drive
-from subsoil.cli.worlds import robot_of
 from subsoil.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
@@ -20,6 +19,7 @@ from subsoil.reports import Source
 from subsoil.simulation import Truth, simulate
 from subsoil.survey import LocalDispatch, Memory, Settings, Survey, opened, opening
 from subsoil.survey.events import Configured, Event, Opened, Simulation
+from subsoil.worlds import robot_of
 
 
 @pytest.fixture(scope="session")

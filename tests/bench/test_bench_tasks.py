@@ -18,7 +18,7 @@ from subsoil.bench.task import (
     result_to_json,
     survey_seed,
 )
-from subsoil.bench.world import TruthReader
+from subsoil.bench.truths import TruthReader
 from subsoil.errors import ParameterError, SubsoilError
 from subsoil.mapping.scores import rmse
 from subsoil.penetrometer import LARGE_CONE, profile_of

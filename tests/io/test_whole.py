@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from subsoil.mapping.soilmap import SoilMap
 
 from subsoil.field import Field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.io.whole import whole
 from subsoil.layers import Layers
+from subsoil.mapping.soilmap import SoilMap
 
 
 def test_a_file_takes_its_name_when_it_is_done(tmp_path: Path) -> None:

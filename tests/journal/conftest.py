@@ -22,7 +22,6 @@ from subsoil.agent import (
     Unreachable,
     drive,
 )
-from subsoil.cli.worlds import robot_of
 from subsoil.errors import RobotError
 from subsoil.field import Field
 from subsoil.journal import create, open_journal
@@ -32,6 +31,7 @@ from subsoil.reports import Source
 from subsoil.simulation import Truth
 from subsoil.survey import LocalDispatch, fold, opening
 from subsoil.survey.events import Configured, Opened, Simulation
+from subsoil.worlds import robot_of
 
 Configure = Callable[..., Configured]
 Work = Callable[[LocalDispatch, Truth], str]

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from subsoil.agent import Arrival, Assignment, Refusal, Robot, Unreachable
-from subsoil.bench.world import TruthReader
+from subsoil.bench.truths import TruthReader
 from subsoil.field import Field
 from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, faults
 from subsoil.reports import STOPPED

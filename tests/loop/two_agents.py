@@ -19,11 +19,11 @@ from threading import Thread
 from typing import Any
 
 from subsoil.agent import Assignment, Done, Wait, drive
-from subsoil.cli.worlds import robot_of, simulation_of, truth_of
 from subsoil.errors import SubsoilError
 from subsoil.journal import open_journal
 from subsoil.reports import Report, Source
 from subsoil.survey import LocalDispatch, Survey, fold
+from subsoil.worlds import robot_of, simulation_of, truth_of
 
 KEY = b"survey"
 SEED = 3

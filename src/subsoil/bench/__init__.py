@@ -4,11 +4,11 @@ A benchmark is a set of :class:`~subsoil.bench.task.Task`, each a pure function 
 are kept one file a task, so that a run can be stopped, gone on with and added to.
 """
 
-from subsoil.bench.folder import Benchmark, config_of, enter, keep, kept, write_results
 from subsoil.bench.running import Failed, Retried, on_dask, on_pool
 from subsoil.bench.scoring import scored, surveyed
+from subsoil.bench.store import Benchmark, config_of, enter, keep, kept, write_results
 from subsoil.bench.task import Entrant, Result, Row, Series, Setting, Task
-from subsoil.bench.world import truth_of
+from subsoil.bench.truths import truth_of
 
 __all__ = [
     "Benchmark",

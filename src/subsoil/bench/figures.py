@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.bench.comparison import Mean, Standing, curves, mean_of, paired
-from subsoil.bench.hand import HandSurveys
+from subsoil.bench.hand_survey import HandSurveys
 from subsoil.bench.paper import MARKS, NORMALISED_RMSE, PATH_M, RMSE_KPA
 from subsoil.bench.tables import MINUTES, calibration
 from subsoil.bench.task import Entrant, Result, Row

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 
 from subsoil.bench import figures, tables
 from subsoil.bench.comparison import Standing, standing
-from subsoil.bench.folder import config_of, results_of, write_results
-from subsoil.bench.hand import HandSurveys, hand_surveys
+from subsoil.bench.hand_survey import HandSurveys, hand_surveys
 from subsoil.bench.scoring import Scorer, surveyed
+from subsoil.bench.store import config_of, results_of, write_results
 from subsoil.bench.task import Entrant, Setting, Task
-from subsoil.bench.world import truth_of
+from subsoil.bench.truths import truth_of
 from subsoil.errors import NotAllowedError, ParameterError
 from subsoil.io.whole import whole
 from subsoil.plots.album import DPI, draw_survey

@@ -7,7 +7,7 @@ from threadpoolctl import threadpool_limits
 
 from subsoil.agent import drive
 from subsoil.bench.task import Result, Row, Series, Task, survey_seed
-from subsoil.bench.world import TruthReader, truth_of
+from subsoil.bench.truths import TruthReader, truth_of
 from subsoil.errors import SubsoilError
 from subsoil.mapping.scores import rmse
 from subsoil.mapping.soilmap import SoilMap

@@ -19,7 +19,7 @@ from subsoil.bench.comparison import (
     mean_of,
     paired,
 )
-from subsoil.bench.hand import HandSurveys
+from subsoil.bench.hand_survey import HandSurveys
 from subsoil.bench.paper import CORRELATION, MARKS, NORMALISED_RMSE, PATH_M, RMSE_KPA
 from subsoil.bench.task import Row
 from subsoil.io.whole import whole

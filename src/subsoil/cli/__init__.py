@@ -14,13 +14,13 @@ import typer
 from threadpoolctl import threadpool_limits
 
 from subsoil.cli import (
-    analysing,
-    benching,
-    correcting,
-    demonstrating,
-    diagnosing,
-    looking,
-    surveying,
+    bench,
+    corrections,
+    demo,
+    doctor,
+    inspect,
+    readings,
+    survey,
 )
 from subsoil.errors import SubsoilError, printable
 
@@ -33,20 +33,20 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(demonstrating.demo)
-app.command()(surveying.init)
-app.command()(looking.plan)
-app.command()(surveying.run)
-app.command()(surveying.resume)
-app.command()(looking.status)
-app.command()(correcting.withdraw)
-app.command(name="map")(analysing.make_map)
-app.command()(analysing.variogram)
-app.command()(analysing.cv)
-app.command()(looking.replay)
-app.command()(looking.verify)
-app.command()(diagnosing.doctor)
-app.add_typer(benching.app, name="bench")
+app.command()(demo.demo)
+app.command()(survey.init)
+app.command()(inspect.plan)
+app.command()(survey.run)
+app.command()(survey.resume)
+app.command()(inspect.status)
+app.command()(corrections.withdraw)
+app.command(name="map")(readings.make_map)
+app.command()(readings.variogram)
+app.command()(readings.cv)
+app.command()(inspect.replay)
+app.command()(inspect.verify)
+app.command()(doctor.doctor)
+app.add_typer(bench.app, name="bench")
 
 
 def run(arguments: list[str]) -> int:

@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 import typer
 
 from subsoil.agent import drive
-from subsoil.cli import enough
-from subsoil.cli.looking import summary
+from subsoil.cli import limits as enough
+from subsoil.cli.inspect import summary
 from subsoil.cli.options import (
     DEFAULT_ESTIMATOR,
     DEFAULT_STRATEGY,
@@ -21,7 +21,6 @@ from subsoil.cli.options import (
     settings_of,
 )
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell
-from subsoil.cli.worlds import SIMULATED, demo_field, robot_of, simulation_of, truth_of
 from subsoil.errors import JournalError
 from subsoil.field import Field
 from subsoil.io.rasters import write_geotiffs
@@ -34,6 +33,7 @@ from subsoil.reports import Source
 from subsoil.simulation import Truth
 from subsoil.survey import LocalDispatch, Settings, Survey, fits_of, fold, opening
 from subsoil.survey.events import Configured, Event, Planned, Simulation
+from subsoil.worlds import SIMULATED, demo_field, robot_of, simulation_of, truth_of
 
 World = Literal["simulated", "riseholme"]
 _FILE = "survey.gpkg"

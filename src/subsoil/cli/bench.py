@@ -27,7 +27,7 @@ from subsoil.bench import (
 )
 from subsoil.bench.running import Outcome
 from subsoil.bench.task import PROTOCOLS, entrants_of
-from subsoil.bench.world import land_of
+from subsoil.bench.truths import land_of
 from subsoil.cli.options import allowed_by
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell
 from subsoil.errors import ParameterError, SubsoilError, printable

@@ -11,9 +11,9 @@ from typing import Annotated
 import typer
 
 from subsoil.agent import drive
-from subsoil.cli import enough
-from subsoil.cli.known import Column, CovariateFile, Drift, covariate_of, rule_named
-from subsoil.cli.looking import summary
+from subsoil.cli import limits as enough
+from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of, rule_named
+from subsoil.cli.inspect import summary
 from subsoil.cli.options import (
     DEFAULT_EDGES,
     DEFAULT_ESTIMATOR,
@@ -36,7 +36,6 @@ from subsoil.cli.options import (
     values,
 )
 from subsoil.cli.output import AsJson, Seed, progress, tell
-from subsoil.cli.worlds import SIMULATED, robot_of, simulation_of, soil_of, truth_of
 from subsoil.errors import JournalError, ParameterError, brief
 from subsoil.io.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
@@ -46,6 +45,7 @@ from subsoil.simulation import Machine, Truth
 from subsoil.stopping import Rates
 from subsoil.survey import LocalDispatch, Survey, fold, opening
 from subsoil.survey.events import Configured, Event, Planned, Simulation
+from subsoil.worlds import SIMULATED, robot_of, simulation_of, soil_of, truth_of
 
 Faster = Annotated[
     float,

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from subsoil.cli import enough
+from subsoil.cli import limits as enough
 from subsoil.cli.options import (
     DEFAULT_STRATEGY,
     Allow,

@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from subsoil.cli.known import Column, CovariateFile, Drift, covariate_of, rule_named
+from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of, rule_named
 from subsoil.cli.material import Material, material_of
 from subsoil.cli.options import (
     DEFAULT_EDGES,
