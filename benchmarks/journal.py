@@ -13,8 +13,8 @@ import numpy as np
 
 from benchmarks.workloads import Result
 from subsoil.agent import Arrival, Assignment, Push, drive
-from subsoil.field import Field
 from subsoil.journal import create, verify
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import Place, Reading

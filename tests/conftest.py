@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from subsoil.agent import drive
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.registry import module_of

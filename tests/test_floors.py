@@ -14,8 +14,7 @@ PACKAGE = Path(subsoil.__file__).parent
 
 FLOORS: dict[str, tuple[str, ...]] = {
     "1 values": (
-        "errors", "optional", "registry", "reports", "agent", "frames", "outline", "field",
-        "penetrometer", "layers",
+        "errors", "optional", "registry", "reports", "agent", "penetrometer", "layers", "land",
     ),
     "2 maths": ("variogram", "kriging", "mapping"),
     "3 decisions": ("ways", "stopping", "strategies"),

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.mapping.uncertainty import mean_square_error, predicted_rmse

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from subsoil.errors import SubsoilError
-    from subsoil.field import Field
     from subsoil.kriging import OrdinaryKriging, Prediction, condition
+    from subsoil.land.field import Field
     from subsoil.layers import Layers, LayerState, Sample
     from subsoil.mapping.soilmap import SoilMap
     from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, Cone, Insertion, Profile, profile
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "errors": ("SubsoilError",),
-    "field": ("Field",),
+    "land.field": ("Field",),
     "kriging": ("OrdinaryKriging", "Prediction", "condition"),
     "layers": ("Layers", "LayerState", "Sample"),
     "penetrometer": ("LARGE_CONE", "SMALL_CONE", "Cone", "Insertion", "Profile", "profile"),

@@ -21,9 +21,9 @@ from types import ModuleType
 import numpy as np
 
 from subsoil.errors import DataUnavailableError, MissingExtraError
-from subsoil.field import Field
 from subsoil.io.boundary import read_field
 from subsoil.io.readings import Readings, read_readings
+from subsoil.land.field import Field
 
 COSMOS_URL = "https://raw.githubusercontent.com/Jailander/COSMOS"
 """Where the robot group of Lincoln publishes its surveys (MIT licence)."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from subsoil.errors import JournalError, ParameterError, brief, listed
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate, surrogate
 from subsoil.survey import Survey

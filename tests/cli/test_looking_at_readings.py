@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from subsoil.frames import project
+from subsoil.land.crs import project
 
 Cli = Callable[..., Any]
 TWO = ("--layers", "0,0.05,0.1")

@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from subsoil.errors import MissingExtraError, ParameterError, ReadingsError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots import (

@@ -11,8 +11,8 @@ import rasterio
 import xarray
 
 from subsoil.errors import MissingExtraError
-from subsoil.field import Field
 from subsoil.io.rasters import write_geotiffs
+from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.mapping.uncertainty import standard_deviation

@@ -18,10 +18,10 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from subsoil.errors import BoundaryError, InputError, MissingExtraError, ReadingsError
-from subsoil.field import Field
-from subsoil.frames import WGS84
 from subsoil.io.boundary import read_field
 from subsoil.io.covariate import read_covariate
+from subsoil.land.crs import WGS84
+from subsoil.land.field import Field
 
 pyogrio = pytest.importorskip("pyogrio")
 rasterio = pytest.importorskip("rasterio")

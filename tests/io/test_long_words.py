@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from subsoil.errors import BoundaryError, InputError, brief, listed
-from subsoil.field import Field
-from subsoil.frames import check_metric, project
 from subsoil.io.boundary import read_field
 from subsoil.io.covariate import read_covariate
 from subsoil.io.readings import read_readings
+from subsoil.land.crs import check_metric, project
+from subsoil.land.field import Field
 
 LONG = "x" * 5000
 RING = [[-0.5, 53], [-0.498, 53], [-0.498, 53.002], [-0.5, 53]]

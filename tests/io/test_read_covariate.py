@@ -13,9 +13,9 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from subsoil.errors import BoundaryError, ReadingsError
-from subsoil.field import Field
-from subsoil.frames import WGS84, project
 from subsoil.io.covariate import read_covariate
+from subsoil.land.crs import WGS84, project
+from subsoil.land.field import Field
 
 Floats = NDArray[np.float64]
 UTM = "EPSG:32630"

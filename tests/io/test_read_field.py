@@ -17,9 +17,9 @@ from pyproj import Proj
 from shapely.geometry import GeometryCollection, LineString, Point, Polygon, box, mapping
 
 from subsoil.errors import BoundaryError, MissingExtraError, ParameterError
-from subsoil.field import Field
-from subsoil.frames import project, stretch
 from subsoil.io.boundary import READERS, read_field
+from subsoil.land.crs import project, stretch
+from subsoil.land.field import Field
 
 CORNERS = [(-0.5278, 53.2624), (-0.5274, 53.2609), (-0.5231, 53.2607), (-0.5225, 53.2631)]
 OUTLINE = Polygon(CORNERS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon, box
 
 from subsoil.errors import BoundaryError, InputError, ParameterError, ReadingsError
-from subsoil.field import Field
-from subsoil.frames import project
 from subsoil.io.readings import READERS, Readings, read_readings
+from subsoil.land.crs import project
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 
@@ -387,6 +388,9 @@ def test_what_is_written_as_a_table_is_read_back_unchanged(
     pushes: list[tuple[float, float, list[float]]],
     delimiter: str,
 ) -> None:
+    # A file all of whose numbers may have a thousands mark is refused, and tested elsewhere.
+    numbers = [repr(value) for push in pushes for value in push[2]]
+    assume(not all(re.fullmatch(r"\d{1,3}\.\d{3}", number) for number in numbers))
     path = tmp_path_factory.mktemp("trip") / "trip.csv"
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, delimiter=delimiter)

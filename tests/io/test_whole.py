@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from subsoil.field import Field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.io.whole import whole
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.soilmap import SoilMap
 

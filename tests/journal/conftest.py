@@ -23,8 +23,8 @@ from subsoil.agent import (
     drive,
 )
 from subsoil.errors import RobotError
-from subsoil.field import Field
 from subsoil.journal import create, open_journal
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import Source

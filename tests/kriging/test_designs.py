@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from subsoil.field import Field
 from subsoil.kriging import condition
 from subsoil.kriging.designs import Designs
+from subsoil.land.field import Field
 from subsoil.variogram import Exponential, Gaussian, Matern32, Nested, Structure
 
 FIELD = Field.from_metres(

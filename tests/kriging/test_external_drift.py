@@ -15,9 +15,9 @@ from pykrige.uk import UniversalKriging
 from scipy.cluster.vq import kmeans2
 
 from subsoil.errors import ParameterError, SingularSystemError
-from subsoil.field import Field
 from subsoil.kriging import condition, over
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted, leave_one_out_with
+from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.drift_choice import FEWEST_SAMPLES, DriftRule, helped, learn
 from subsoil.mapping.scores import rmse

@@ -11,7 +11,7 @@ import pytest
 
 from subsoil.agent import Arrival, Assignment, Push, Refusal, drive
 from subsoil.errors import ReportError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import LONLAT, Quantity, Reading, Refused, Sampled, Source, Tip

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from subsoil.agent import Assignment, Done, Wait
 from subsoil.errors import ReportError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import Place, Reading, Refused, Sampled

@@ -10,7 +10,7 @@ import pytest
 
 from subsoil.agent import Arrival, Assignment, Push, Refusal, Robot, Unreachable, drive
 from subsoil.errors import RobotError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import STOPPED, Source
 from subsoil.simulation import Machine, SimulatedRobot, simulate

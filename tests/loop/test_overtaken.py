@@ -9,7 +9,7 @@ import pytest
 
 from subsoil.agent import Assignment
 from subsoil.errors import ReportError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import Place, Reading, Sampled

@@ -12,9 +12,9 @@ import pytest
 
 from subsoil.agent import Assignment, drive
 from subsoil.errors import BatteryError, ParameterError
-from subsoil.field import Field
 from subsoil.journal import create, verify
 from subsoil.kriging.estimate import Estimate
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.reports import Refused, Sampled
 from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate

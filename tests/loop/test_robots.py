@@ -17,7 +17,7 @@ import pytest
 
 from subsoil.agent import Arrival, Assignment, Refusal, Robot, Unreachable
 from subsoil.bench.truths import TruthReader
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, faults
 from subsoil.reports import STOPPED
 from subsoil.simulation import Machine, SimulatedRobot, simulate

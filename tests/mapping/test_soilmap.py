@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.variogram import (

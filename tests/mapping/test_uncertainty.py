@@ -13,8 +13,8 @@ from scipy.spatial.distance import cdist
 from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
-from subsoil.field import Field
 from subsoil.kriging import condition, over
+from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.scores import rmse
 from subsoil.mapping.soilmap import SoilMap

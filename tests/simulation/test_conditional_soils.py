@@ -11,8 +11,8 @@ from scipy.stats import chi2, norm
 
 from subsoil.datasets import riseholme
 from subsoil.errors import ReadingsError, SingularSystemError
-from subsoil.field import Field
 from subsoil.kriging import condition
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation import Conditioned, Truth, conditional_truth
 from subsoil.simulation.soil import FLOOR_KPA

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation import Protocol, Soil, Truth, simulate, test_bed
 from subsoil.simulation.soil import FLOOR_KPA

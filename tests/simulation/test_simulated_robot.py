@@ -10,7 +10,7 @@ from scipy.stats import binom
 
 from subsoil.agent import Arrival, Assignment, Push, Refusal, Robot, Unreachable
 from subsoil.errors import BatteryError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, profile_of
 from subsoil.simulation import Machine, SimulatedRobot, Soil, Truth

@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import binom, kstest
 
 from subsoil.errors import SingularSystemError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation.soil import FLOOR_KPA, Soil, draw_soil, floored, grow
 

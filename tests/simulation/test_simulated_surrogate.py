@@ -12,7 +12,7 @@ import shapely
 from pykrige.ok import OrdinaryKriging
 
 from subsoil.errors import ReadingsError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import profile
 from subsoil.simulation import Kriged, surrogate

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation import Soil, Truth
 

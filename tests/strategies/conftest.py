@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.strategies import View

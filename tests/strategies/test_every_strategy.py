@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from subsoil.agent import Arrival, Assignment, Push, Refusal, drive
 from subsoil.errors import NotAllowedError, ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE
 from subsoil.registry import module_of

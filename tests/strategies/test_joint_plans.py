@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
 from subsoil.kriging.designs import Designs
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.stopping import Pace

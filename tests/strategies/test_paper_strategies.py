@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.strategies import STRATEGIES, View, strategy_named
 from subsoil.strategies.adaptive import adaptive_greedy, adaptive_monte_carlo
 from subsoil.strategies.coverage import area_split, areas, carry_on, random, w_shape

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
 from subsoil.kriging import condition, over
 from subsoil.kriging.designs import Designs
+from subsoil.land.field import Field
 from subsoil.strategies import View, strategy_named
 from subsoil.strategies.joint.plans import joint, joint_adaptive
 from subsoil.strategies.joint.replicates import push_gains, replicates

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
 from subsoil.kriging import condition
+from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.survey.events import Fitted, from_json, to_json

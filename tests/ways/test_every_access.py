@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from subsoil.agent import drive
 from subsoil.errors import ParameterError
-from subsoil.field import Field
 from subsoil.kriging.designs import Designs
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import SMALL_CONE

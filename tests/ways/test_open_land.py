@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from subsoil.agent import Arrival, Assignment
-from subsoil.field import Field
 from subsoil.journal.geopackage import geometry_of, initialise
 from subsoil.journal.gis import NOTHING_DRAWN, create, draw_targets
+from subsoil.land.field import Field
+from subsoil.land.outline import Area
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.soilmap import SoilMap
-from subsoil.outline import Area
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.plots.album import way as drawn_way
 from subsoil.simulation import Machine, SimulatedRobot, simulate

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.ways.moves import PER_METRE, shorten
 from subsoil.ways.open_land import OpenLand
 from subsoil.ways.routing import length, reroute, tour, way

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from subsoil.bench.paper import HAND_READINGS
 from subsoil.bench.task import Setting, hand_rng
 from subsoil.bench.truths import truth_of
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.simulation import surrogate
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from subsoil.agent import Arrival, Assignment, Push, Refusal, Unreachable
 from subsoil.bench.task import Setting, soil_rng
 from subsoil.errors import ParameterError, brief
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE
 from subsoil.reports import STOPPED, Place, Reading

@@ -8,9 +8,9 @@ from typing import Annotated, cast, get_args
 import typer
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
 from subsoil.io.covariate import read_covariate
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
+from subsoil.land.field import Field
 from subsoil.mapping.drift_choice import DriftRule
 
 CovariateFile = Annotated[

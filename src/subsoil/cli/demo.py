@@ -22,9 +22,9 @@ from subsoil.cli.options import (
 )
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell
 from subsoil.errors import JournalError
-from subsoil.field import Field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.journal import Journal, create, fingerprint, last_event
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.scores import rmse
 from subsoil.penetrometer import SMALL_CONE

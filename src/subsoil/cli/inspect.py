@@ -23,10 +23,10 @@ from subsoil.cli.options import (
 )
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell, tell_table
 from subsoil.errors import ParameterError, printable
-from subsoil.field import Field
 from subsoil.io.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
+from subsoil.land.field import Field
 from subsoil.plots import outlook_curve
 from subsoil.plots.album import DPI
 from subsoil.survey import Survey, apply, fold, settled

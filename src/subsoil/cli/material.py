@@ -9,9 +9,9 @@ import numpy as np
 
 from subsoil.cli.options import layers_of
 from subsoil.errors import ParameterError
-from subsoil.field import Field
 from subsoil.io.readings import read_readings
 from subsoil.journal import read_events
+from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Cone
 from subsoil.survey import fold

@@ -15,7 +15,7 @@ import typer
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError, brief
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.drift_choice import DriftRule
 from subsoil.registry import NOBODY, imported, module_of

@@ -24,15 +24,15 @@ from pathlib import Path
 import shapely
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.field import Field
-from subsoil.frames import WGS84, metres_frame, project, stretch
 from subsoil.io.corners import read_coords, read_corners
 from subsoil.io.drawing import KEEP_OUT, Drawing
 from subsoil.io.geofile import read_geofile
 from subsoil.io.geojson import read_geojson
 from subsoil.io.kml import read_kml
 from subsoil.io.text import check_file
-from subsoil.outline import Area
+from subsoil.land.crs import WGS84, metres_frame, project, stretch
+from subsoil.land.field import Field
+from subsoil.land.outline import Area
 
 READERS: dict[str, Callable[[Path, str | None], Drawing]] = {
     ".geojson": read_geojson,

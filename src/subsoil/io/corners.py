@@ -10,11 +10,11 @@ import re
 from pathlib import Path
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.frames import WGS84
 from subsoil.io.drawing import Drawing, Feature, draw, frame
 from subsoil.io.marks import check_marks
 from subsoil.io.text import POSITION_COLUMNS, number, read_text
-from subsoil.outline import polygon
+from subsoil.land.crs import WGS84
+from subsoil.land.outline import polygon
 
 _BLANK = re.compile(r"[;\s]+")
 _APART = re.compile(r"[;,\s]+")

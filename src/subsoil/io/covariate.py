@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from subsoil.errors import ReadingsError, brief, listed
-from subsoil.field import Field
-from subsoil.frames import project
 from subsoil.io.geotiff import read_geotiff
 from subsoil.io.places import Places
 from subsoil.io.points import read_points
 from subsoil.io.text import POSITION_COLUMNS, check_file, number, read_text
+from subsoil.land.crs import project
+from subsoil.land.field import Field
 
 Floats = NDArray[np.float64]
 

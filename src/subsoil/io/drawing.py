@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from subsoil.errors import BoundaryError, brief, listed
-from subsoil.frames import WGS84, named_crs
-from subsoil.outline import Area, check_outline
+from subsoil.land.crs import WGS84, named_crs
+from subsoil.land.outline import Area, check_outline
 
 KEEP_OUT = "keep-out"
 """Value of a feature's property ``role`` that marks an area in which nothing is probed."""
@@ -46,7 +46,7 @@ class Drawing:
     Attributes
     ----------
     crs
-        :data:`~subsoil.frames.WGS84`, a metric CRS, or empty for a local frame.
+        :data:`~subsoil.land.crs.WGS84`, a metric CRS, or empty for a local frame.
     outlines, keep_outs
         Valid areas that are not, and that are, marked as keep-outs.
     notes

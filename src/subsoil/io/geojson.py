@@ -13,10 +13,10 @@ from typing import Any
 from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.frames import WGS84
 from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, frame
 from subsoil.io.text import read_text
-from subsoil.outline import Area, polygon
+from subsoil.land.crs import WGS84
+from subsoil.land.outline import Area, polygon
 
 
 def read_geojson(path: Path, crs: str | None) -> Drawing:

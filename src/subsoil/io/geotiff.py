@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.errors import MissingExtraError, ReadingsError, brief
-from subsoil.field import Field
 from subsoil.io.alone import alone
+from subsoil.land.field import Field
 
 Floats = NDArray[np.float64]
 

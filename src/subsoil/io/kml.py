@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.frames import WGS84
 from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, not_an_outline
 from subsoil.io.text import read_text
-from subsoil.outline import polygon
+from subsoil.land.crs import WGS84
+from subsoil.land.outline import polygon
 
 Element = ElementTree.Element
 

@@ -10,9 +10,9 @@ import shapely
 from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
-from subsoil.frames import WGS84
 from subsoil.io.geofile import read_layer
 from subsoil.io.geojson import features_of
+from subsoil.land.crs import WGS84
 
 Floats = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.field import Field
-from subsoil.frames import named_crs
 from subsoil.io.whole import whole
+from subsoil.land.crs import named_crs
+from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.optional import load

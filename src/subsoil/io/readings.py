@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
-from subsoil.field import Field
 from subsoil.io.missing import without_codes
 from subsoil.io.places import Places, elsewhere, outside
 from subsoil.io.plausible import strength_notes
@@ -23,6 +22,7 @@ from subsoil.io.records import Finding, Floats, Recording, kpa_per_unit
 from subsoil.io.robot_yaml import read_robot_yaml
 from subsoil.io.text import check_file
 from subsoil.io.usable import usable
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import Cone, Profile
 

@@ -13,8 +13,8 @@ from shapely.geometry import LineString, MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import Polygon
 
-from subsoil.field import Field
 from subsoil.journal.geopackage import add_layer, insert
+from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState
 from subsoil.reports import Refused, Sampled
 from subsoil.survey import Survey, sample_of

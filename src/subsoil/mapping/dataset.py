@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from subsoil.frames import named_crs
+from subsoil.land.crs import named_crs
 from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.optional import load
 

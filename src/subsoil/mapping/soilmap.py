@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
 from subsoil.kriging import Kriged, condition, over
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
+from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
@@ -95,7 +95,7 @@ class SoilMap:
 
     Examples
     --------
-    >>> from subsoil.field import Field
+    >>> from subsoil.land.field import Field
     >>> from subsoil.variogram import Spherical
     >>> field, layers = Field.from_metres([(0, 0), (40, 0), (40, 30), (0, 30)]), Layers((0, 0.4))
     >>> model = Spherical(nugget=100.0, range=30.0, psill=900.0)

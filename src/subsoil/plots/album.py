@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.field import Field
 from subsoil.io.whole import whole
+from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots.depth import profiles
 from subsoil.plots.learning import learning_curves

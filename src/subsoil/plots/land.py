@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import LayerState
 from subsoil.plots.sheet import INK, SMALL, Sheet, place
 

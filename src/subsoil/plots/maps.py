@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ReadingsError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.plots.land import (

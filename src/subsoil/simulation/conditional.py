@@ -17,8 +17,8 @@ from scipy.spatial.distance import pdist, squareform
 from threadpoolctl import threadpool_limits
 
 from subsoil.errors import ReadingsError, SingularSystemError
-from subsoil.field import Field
 from subsoil.kriging import condition
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation.soil import FLOOR_KPA, floored
 from subsoil.simulation.surrogate import SPHERICAL, check_readings, fitted

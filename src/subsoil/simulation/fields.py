@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation.soil import Soil, draw_soil, floored, grow
 from subsoil.simulation.surrogate import krige_layers

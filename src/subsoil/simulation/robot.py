@@ -54,7 +54,7 @@ class SimulatedRobot:
 
     Examples
     --------
-    >>> from subsoil.field import Field
+    >>> from subsoil.land.field import Field
     >>> from subsoil.penetrometer import SMALL_CONE
     >>> from subsoil.simulation import simulate
     >>> field = Field.from_metres([(0, 0), (50, 0), (50, 40), (0, 40)])

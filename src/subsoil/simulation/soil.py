@@ -17,7 +17,7 @@ from scipy.spatial.distance import pdist, squareform
 from threadpoolctl import threadpool_limits
 
 from subsoil.errors import SingularSystemError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.variogram.models import Bounded, model_named
 
 Floats = NDArray[np.float64]

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
 from subsoil.errors import ReadingsError
-from subsoil.field import Field
 from subsoil.kriging import condition
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation.truth import Kriged, Truth
 from subsoil.variogram import Estimator, Fit, LeastSquares, Spherical

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation.soil import Soil
 from subsoil.variogram import Fit

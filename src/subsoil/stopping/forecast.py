@@ -22,7 +22,7 @@ def forecast(soil_map: SoilMap, cells: Sequence[int]) -> Floats:
 
     Examples
     --------
-    >>> from subsoil.field import Field
+    >>> from subsoil.land.field import Field
     >>> from subsoil.layers import Layers
     >>> from subsoil.variogram import Spherical
     >>> field, layers = Field.from_metres([(0, 0), (40, 0), (40, 30), (0, 30)]), Layers((0, 0.4))

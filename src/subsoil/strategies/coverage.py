@@ -11,7 +11,7 @@ from scipy.spatial.distance import cdist
 from shapely.geometry import LineString
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.strategies.view import Plan, View
 from subsoil.ways.routing import reroute, tour
 

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.stopping import Pace
 from subsoil.ways.access import Access

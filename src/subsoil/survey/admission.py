@@ -10,7 +10,7 @@ from datetime import datetime, timedelta
 from math import inf, isfinite
 
 from subsoil.errors import BoundaryError, ReportError, brief, listed, printable
-from subsoil.frames import named_crs, project
+from subsoil.land.crs import named_crs, project
 from subsoil.penetrometer import faults, flags_of
 from subsoil.reports import Place, Report, Sampled
 from subsoil.survey.state import NOWHERE, Survey, cell_of

@@ -16,8 +16,8 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.errors import CorruptJournalError, brief, printable
-from subsoil.field import Field
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
+from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import Cone

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from subsoil.errors import ParameterError
-from subsoil.field import Field as Land
+from subsoil.land.field import Field as Land
 from subsoil.mapping.drift_choice import DriftRule
 from subsoil.reports import Place, Plain
 from subsoil.stopping import Goal, Limits, Pace, Rates

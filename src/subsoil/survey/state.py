@@ -8,7 +8,7 @@ from math import isfinite, nan
 
 import numpy as np
 
-from subsoil.field import Field
+from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.drift_choice import residuals
 from subsoil.mapping.soilmap import SoilMap

@@ -23,8 +23,8 @@ from scipy.sparse.csgraph import shortest_path
 from scipy.spatial.distance import cdist
 from shapely.geometry.polygon import orient
 
-from subsoil.field import Field
-from subsoil.outline import Area
+from subsoil.land.field import Field
+from subsoil.land.outline import Area
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]

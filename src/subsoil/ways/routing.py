@@ -42,7 +42,7 @@ def tour(access: Access, start: ArrayLike, places: ArrayLike) -> tuple[int, ...]
 
     Examples
     --------
-    >>> from subsoil.field import Field
+    >>> from subsoil.land.field import Field
     >>> from subsoil.ways.open_land import OpenLand
     >>> meadow = OpenLand(Field.from_metres([(0, 0), (50, 0), (50, 20), (0, 20)]))
     >>> tour(meadow, (0, 0), [(30, 0), (10, 0), (20, 0)])

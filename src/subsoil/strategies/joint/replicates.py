@@ -56,7 +56,7 @@ def push_gains(designs: Designs, readings: Sequence[int], stops: Sequence[int]) 
 
     Examples
     --------
-    >>> from subsoil.field import Field
+    >>> from subsoil.land.field import Field
     >>> from subsoil.variogram import Exponential, Nested, Structure
     >>> field = Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)])
     >>> for share in (0.99, 0.3):

@@ -18,8 +18,8 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import BoundaryError, ParameterError, brief
-from subsoil.frames import WGS84, check_metric, metres_frame, project, utm_crs
-from subsoil.outline import Area, check_extent, check_lonlat, check_outline, polygon
+from subsoil.land.crs import WGS84, check_metric, metres_frame, project, utm_crs
+from subsoil.land.outline import Area, check_extent, check_lonlat, check_outline, polygon
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

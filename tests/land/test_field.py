@@ -13,8 +13,8 @@ from pyproj import Geod, Proj
 from shapely.geometry import LineString, MultiPolygon, Polygon, box
 
 from subsoil.errors import BoundaryError, ParameterError
-from subsoil.field import Field
-from subsoil.frames import check_metric, looks_swapped, project, utm_crs
+from subsoil.land.crs import check_metric, looks_swapped, project, utm_crs
+from subsoil.land.field import Field
 
 SQUARE = [(0, 0), (100, 0), (100, 100), (0, 100)]
 LINCOLN = Polygon(
