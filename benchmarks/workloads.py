@@ -174,11 +174,11 @@ def survey_step() -> Result:
     from subsoil.agent import Assignment, drive
     from subsoil.bench.truths import TruthReader
     from subsoil.penetrometer import LARGE_CONE
-    from subsoil.simulation import test_bed
+    from subsoil.simulation import draw_field
     from subsoil.survey import LocalDispatch, Memory, Settings, opened, opening
     from subsoil.survey.events import Configured
 
-    truth = test_bed(np.random.default_rng(1000))
+    truth = draw_field(np.random.default_rng(1000))
     settings = Settings(
         start=(0.0, 0.0), strategy="adaptive-monte-carlo", estimator="paper-10", seed=1, samples=31
     )

@@ -14,12 +14,12 @@ from subsoil.agent import drive
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
-from subsoil.registry import module_of
+from subsoil.registry import Allowed
 from subsoil.reports import Source
-from subsoil.simulation import Truth, simulate
+from subsoil.simulation import Truth, draw_truth
 from subsoil.survey import LocalDispatch, Memory, Settings, Survey, opened, opening
 from subsoil.survey.events import Configured, Event, Opened, Simulation
-from subsoil.worlds import robot_of
+from subsoil.survey.simulated import robot_of
 
 
 @pytest.fixture(scope="session")
@@ -35,7 +35,7 @@ def plot_opened(plot: Field) -> Opened:
 
 @pytest.fixture(scope="session")
 def plot_truth(plot: Field) -> Truth:
-    return simulate(plot, np.random.default_rng(1))
+    return draw_truth(plot, np.random.default_rng(1))
 
 
 class Configure(Protocol):
@@ -86,7 +86,7 @@ def survey_plot(plot_opened: Opened, plot_truth: Truth, work: Work) -> SurveyPlo
 
     def survey(settings: Configured, start: Survey | None = None) -> tuple[Survey, list[Event]]:
         memory = Memory()
-        allowed = module_of(settings.settings.strategy)
+        allowed = Allowed.by_name(settings.settings.strategy)
         dispatch = LocalDispatch(start or opened(plot_opened), memory, allowed=allowed)
         dispatch.record(settings)
         work(dispatch, plot_truth)

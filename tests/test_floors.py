@@ -14,7 +14,8 @@ PACKAGE = Path(subsoil.__file__).parent
 
 FLOORS: dict[str, tuple[str, ...]] = {
     "1 values": (
-        "errors", "optional", "registry", "reports", "agent", "penetrometer", "layers", "land",
+        "errors", "optional", "notebook", "registry", "reports", "agent", "penetrometer",
+        "layers", "land", "readings",
     ),
     "2 maths": ("variogram", "kriging", "mapping"),
     "3 decisions": ("ways", "stopping", "strategies"),

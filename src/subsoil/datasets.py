@@ -22,8 +22,9 @@ import numpy as np
 
 from subsoil.errors import DataUnavailableError, MissingExtraError
 from subsoil.io.boundary import read_field
-from subsoil.io.readings import Readings, read_readings
+from subsoil.io.readings import read_readings
 from subsoil.land.field import Field
+from subsoil.readings import Readings
 
 COSMOS_URL = "https://raw.githubusercontent.com/Jailander/COSMOS"
 """Where the robot group of Lincoln publishes its surveys (MIT licence)."""

@@ -2,24 +2,73 @@
 
 A name in a file of somebody else's must not run code. So ``module:attribute`` is imported only
 where its module is among those allowed in that call; built-in names and entry points of installed
-packages always are.
+packages always are, and what was handed over in memory is what its name then stands for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from importlib import import_module
 from importlib.metadata import entry_points
 from types import ModuleType
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 from subsoil.errors import NotAllowedError, ParameterError, brief
 
 T = TypeVar("T")
 
-NOBODY: frozenset[str] = frozenset()
-"""No module beside what is registered."""
+Thing = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Allowed:
+    """Code that may be run beside what is registered.
+
+    Attributes
+    ----------
+    modules
+        Names of modules that may be imported.
+    given
+        Things handed over in memory, by the names that are recorded for them.
+
+    Examples
+    --------
+    >>> sorted((Allowed.by_name("mine.own:strategy") | Allowed.by_name("greedy")).modules)
+    ['mine.own']
+    """
+
+    modules: frozenset[str] = frozenset()
+    given: Mapping[str, Thing] = field(default_factory=dict)
+
+    @classmethod
+    def by_name(cls, *names: str) -> Allowed:
+        """What names that the user typed allow: the modules of ``module:attribute``."""
+        pairs = (name.partition(":") for name in names)
+        return cls(frozenset(module for module, _, attribute in pairs if attribute))
+
+    def __or__(self, other: Allowed) -> Allowed:
+        """Both."""
+        return Allowed(self.modules | other.modules, {**self.given, **other.given})
+
+
+NOBODY = Allowed()
+"""No code beside what is registered."""
+
+
+def handed_over(thing: str | Thing) -> tuple[str, Allowed]:
+    """Name to record of what a caller of the library gives, and leave to run it.
+
+    Examples
+    --------
+    >>> handed_over("mine:strategy")[0], handed_over(abs)[0]
+    ('mine:strategy', 'builtins:abs')
+    """
+    if isinstance(thing, str):
+        return thing, Allowed.by_name(thing)
+    named = thing if hasattr(thing, "__qualname__") else type(thing)
+    name = f"{named.__module__}:{named.__qualname__}"
+    return name, Allowed(given={name: thing})
 
 
 @dataclass(frozen=True)
@@ -44,8 +93,8 @@ class Registry(Generic[T]):
         """Return the registered thing of a name."""
         return self.named(name)
 
-    def named(self, name: str, allowed: frozenset[str] = NOBODY) -> T:
-        """Thing of a name, or of ``module:attribute`` if its module is allowed.
+    def named(self, name: str, allowed: Allowed = NOBODY) -> T:
+        """Thing of a name, given in memory, or of ``module:attribute`` if its module is allowed.
 
         Raises
         ------
@@ -54,6 +103,8 @@ class Registry(Generic[T]):
         NotAllowedError
             If it is code of a module that was not allowed.
         """
+        if name in allowed.given:
+            return cast("T", allowed.given[name])
         if name in self.built_in:
             return self.built_in[name]
         for point in entry_points(group=self.group, name=name):
@@ -66,7 +117,7 @@ class Registry(Generic[T]):
                 where=self.kind,
                 remedy=f"one of {', '.join(self.names)}, or your own as module:attribute",
             )
-        if module not in allowed:
+        if module not in allowed.modules:
             raise NotAllowedError(
                 f"{brief(name)!r} is code of the module {brief(module)!r}, which was not run",
                 where=self.kind,
@@ -116,15 +167,3 @@ def imported(module: str, where: str) -> ModuleType:
             where=where,
             remedy="check its name, and that Python finds and loads it from this folder",
         ) from error
-
-
-def module_of(name: str) -> frozenset[str]:
-    """Module that a name typed by the user allows: that of ``module:attribute``, else none.
-
-    Examples
-    --------
-    >>> sorted(module_of("mine.own:strategy")), sorted(module_of("greedy"))
-    (['mine.own'], [])
-    """
-    module, _, attribute = name.partition(":")
-    return frozenset([module]) if attribute else NOBODY

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -10,14 +9,9 @@ import numpy as np
 from subsoil.errors import JournalError, ParameterError, brief, listed
 from subsoil.land.field import Field
 from subsoil.layers import Layers
-from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate, surrogate
+from subsoil.simulation import Truth, surrogate
 from subsoil.survey import Survey
-from subsoil.survey.events import Simulation
-
-SIMULATED = "simulated robot"
-"""Name of the agent that a simulation is."""
-_TRUTH_STREAM = 0
-_CHECKED_CELLS = 3
+from subsoil.survey.simulated import simulation_of, soil_drawn
 
 DEMO_OUTLINE = [
     (4, 10), (60, 2), (126, 6), (178, 22), (186, 74), (172, 128), (118, 140), (52, 134), (12, 122),
@@ -59,13 +53,6 @@ def check_world(world: str) -> None:
         )
 
 
-def simulation_of(truth: Truth, world: str, seed: int) -> Simulation:
-    """Record of a soil, by which to tell whether it is the same again."""
-    cells = np.linspace(0, len(truth.field.cells) - 1, _CHECKED_CELLS).round().astype(int)
-    values = truth.kpa[:, cells].ravel()
-    return Simulation(world=world, seed=seed, check_kpa=tuple(values.tolist()))
-
-
 def soil_of(survey: Survey) -> Truth:
     """The soil that a simulated survey began in, drawn again.
 
@@ -98,30 +85,6 @@ def soil_of(survey: Survey) -> Truth:
     return truth
 
 
-def robot_of(
-    survey: Survey, truth: Truth, faster: float = math.inf, name: str = SIMULATED
-) -> SimulatedRobot:
-    """Simulated robot that goes on where it stands in a survey."""
-    machine = Machine(survey.cone)
-    agent = survey.agent(name)
-    made = [stop.cell for stop in survey.stops if stop.agent == name]
-    position = survey.access.at[made[-1]].tolist() if made else agent.position
-    return SimulatedRobot(
-        truth,
-        machine,
-        seed=survey.simulation[0].seed,
-        position=position,
-        battery_s=machine.battery_s - (agent.seconds - agent.charged_at),
-        access=survey.access,
-        faster=faster,
-    )
-
-
-def _simulated(field: Field, layers: Layers, seed: int) -> Truth:
-    stream = np.random.SeedSequence(seed, spawn_key=(_TRUTH_STREAM,))
-    return simulate(field, np.random.default_rng(stream), layers)
-
-
 def _riseholme(field: Field, layers: Layers, seed: int) -> Truth:  # noqa: ARG001 - real, not drawn
     from subsoil.datasets import riseholme
 
@@ -130,7 +93,7 @@ def _riseholme(field: Field, layers: Layers, seed: int) -> Truth:  # noqa: ARG00
 
 
 WORLDS: dict[str, Callable[[Field, Layers, int], Truth]] = {
-    "simulated": _simulated,
+    "simulated": soil_drawn,
     "riseholme": _riseholme,
 }
 """Worlds by name: a soil drawn from the seed, or one kriged from the real readings of Riseholme."""

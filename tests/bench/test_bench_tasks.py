@@ -22,7 +22,7 @@ from subsoil.bench.truths import TruthReader
 from subsoil.errors import ParameterError, SubsoilError
 from subsoil.mapping.scores import rmse
 from subsoil.penetrometer import LARGE_CONE, profile_of
-from subsoil.simulation import test_bed
+from subsoil.simulation import draw_field
 from subsoil.ways.open_land import OpenLand
 
 
@@ -92,7 +92,7 @@ def test_fields_and_seeds_differ_and_depend_on_nothing_but_seed_and_number(
 
 def test_soils_are_those_of_the_test_bed() -> None:
     rng = np.random.default_rng(np.random.SeedSequence(7, spawn_key=(3, 0)))
-    assert np.array_equal(truth_of(Setting("surrogate", 7, (15,)), 3).kpa, test_bed(rng).kpa)
+    assert np.array_equal(truth_of(Setting("surrogate", 7, (15,)), 3).kpa, draw_field(rng).kpa)
 
 
 def test_a_row_says_what_the_survey_was_when_it_had_that_many_samples(area_split: Task) -> None:

@@ -16,11 +16,12 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon, box
 
 from subsoil.errors import BoundaryError, InputError, ParameterError, ReadingsError
-from subsoil.io.readings import READERS, Readings, read_readings
+from subsoil.io.readings import READERS, read_readings
 from subsoil.land.crs import project
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
+from subsoil.readings import Readings
 
 HOME = Field.from_lonlat(
     Polygon([(-0.5278, 53.2624), (-0.5274, 53.2609), (-0.5231, 53.2607), (-0.5225, 53.2631)]),
@@ -60,7 +61,7 @@ def test_a_table_gives_places_in_the_frame_of_the_field_and_profiles_in_kpa(save
     assert readings.profiles[0].depth_m.tolist() == [0.025, 0.05, 0.075]
     assert readings.profiles[1].kpa.tolist() == [150.0, 250.0, 350.0]
     assert readings.rows.tolist() == [2, 3]
-    assert (readings.refused, readings.crs, readings.source) == ((), "EPSG:32630", path)
+    assert (readings.refused, readings.crs, readings.source) == ((), "EPSG:32630", str(path))
     np.testing.assert_allclose(readings.layer_means(LAYERS), [[150.0, 200.0], [300.0, 350.0]])
     with pytest.raises(ValueError, match="read-only"):
         readings.at[0] = 0

@@ -31,7 +31,7 @@ from subsoil.reports import Source
 from subsoil.simulation import Truth
 from subsoil.survey import LocalDispatch, fold, opening
 from subsoil.survey.events import Configured, Opened, Simulation
-from subsoil.worlds import robot_of
+from subsoil.survey.simulated import robot_of
 
 Configure = Callable[..., Configured]
 Work = Callable[[LocalDispatch, Truth], str]

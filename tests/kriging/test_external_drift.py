@@ -22,8 +22,7 @@ from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.drift_choice import FEWEST_SAMPLES, DriftRule, helped, learn
 from subsoil.mapping.scores import rmse
 from subsoil.mapping.soilmap import SoilMap
-from subsoil.simulation import Truth
-from subsoil.simulation import test_bed as draw_field
+from subsoil.simulation import Truth, draw_field
 from subsoil.variogram import (
     Bounded,
     Exponential,

@@ -13,12 +13,12 @@ from subsoil.errors import RobotError
 from subsoil.land.field import Field
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import STOPPED, Source
-from subsoil.simulation import Machine, SimulatedRobot, simulate
+from subsoil.simulation import Machine, SimulatedRobot, draw_truth
 from subsoil.survey import LocalDispatch, Memory, Survey, opened
 from subsoil.survey.events import Configured, Event, Opened
 
 FIELD = Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)])
-TRUTH = simulate(FIELD, np.random.default_rng(1))
+TRUTH = draw_truth(FIELD, np.random.default_rng(1))
 
 
 def simulated() -> Robot:

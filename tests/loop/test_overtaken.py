@@ -12,6 +12,7 @@ from subsoil.errors import ReportError
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
+from subsoil.registry import Allowed
 from subsoil.reports import Place, Reading, Sampled
 from subsoil.strategies import Plan, View
 from subsoil.survey import LocalDispatch, Memory, Settings, opened, opening
@@ -59,7 +60,7 @@ def thinker(monkeypatch: pytest.MonkeyPatch) -> Slow:
 
 
 def begun() -> LocalDispatch:
-    dispatch = LocalDispatch(opened(OPENED), Memory(), allowed=frozenset([__name__]))
+    dispatch = LocalDispatch(opened(OPENED), Memory(), allowed=Allowed(frozenset([__name__])))
     wanted = Settings(start=(0.0, 0.0), strategy=f"{__name__}:slow", samples=40)
     dispatch.record(Configured(settings=wanted))
     for name in "ab":

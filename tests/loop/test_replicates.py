@@ -16,8 +16,9 @@ from subsoil.journal import create, verify
 from subsoil.kriging.estimate import Estimate
 from subsoil.land.field import Field
 from subsoil.layers import Layers
+from subsoil.registry import Allowed
 from subsoil.reports import Refused, Sampled
-from subsoil.simulation import Machine, SimulatedRobot, Truth, simulate
+from subsoil.simulation import Machine, SimulatedRobot, Truth, draw_truth
 from subsoil.strategies import Plan, View
 from subsoil.survey import LocalDispatch, Memory, Survey, apply, decision, fold, opened
 from subsoil.survey.events import Configured, Event, Opened, Planned, from_json, to_json
@@ -27,7 +28,7 @@ Configure = Callable[..., Configured]
 SurveyPlot = Callable[..., tuple[Survey, list[Event]]]
 Work = Callable[[LocalDispatch, Truth], str]
 
-ALLOWED = frozenset([__name__])
+ALLOWED = Allowed(frozenset([__name__]))
 CELLS = (5, 30, 44, 77, 90)
 PUSHES = (3, 1, 2, 1, 2)
 
@@ -228,7 +229,7 @@ def test_a_survey_file_with_further_pushes_verifies(
 
 def test_further_pushes_deviate_from_the_soil_as_first_ones_do_but_on_their_own() -> None:
     field = Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)])
-    truth = simulate(field, np.random.default_rng(2), Layers())
+    truth = draw_truth(field, np.random.default_rng(2), Layers())
     n = len(field.cells)
     off = np.array([
         [truth.reading(cell, push) - truth.kpa[:, cell] for cell in range(n)] for push in range(3)

@@ -20,11 +20,11 @@ from subsoil.bench.truths import TruthReader
 from subsoil.land.field import Field
 from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, faults
 from subsoil.reports import STOPPED
-from subsoil.simulation import Machine, SimulatedRobot, simulate
+from subsoil.simulation import Machine, SimulatedRobot, draw_truth
 from subsoil.ways.open_land import OpenLand
 
 FIELD = Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)])
-TRUTH = simulate(FIELD, np.random.default_rng(1))
+TRUTH = draw_truth(FIELD, np.random.default_rng(1))
 QUIET = Machine(SMALL_CONE, stone_probability=0.0)
 
 

@@ -23,7 +23,8 @@ from subsoil.errors import SubsoilError
 from subsoil.journal import open_journal
 from subsoil.reports import Report, Source
 from subsoil.survey import LocalDispatch, Survey, fold
-from subsoil.worlds import robot_of, simulation_of, truth_of
+from subsoil.survey.simulated import robot_of, simulation_of
+from subsoil.worlds import truth_of
 
 KEY = b"survey"
 SEED = 3

@@ -10,7 +10,7 @@ import pytest
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers
-from subsoil.simulation import Protocol, Soil, Truth, simulate, test_bed
+from subsoil.simulation import Protocol, Soil, Truth, draw_field, draw_truth
 from subsoil.simulation.soil import FLOOR_KPA
 
 SEEDS = range(8)
@@ -24,7 +24,7 @@ def _soil(truth: Truth) -> Soil:
 @pytest.fixture(scope="module")
 def beds() -> dict[Protocol, list[Truth]]:
     def draw(protocol: Protocol) -> list[Truth]:
-        return [test_bed(np.random.default_rng(seed), protocol) for seed in SEEDS]
+        return [draw_field(np.random.default_rng(seed), protocol) for seed in SEEDS]
 
     return {"surrogate": draw("surrogate"), "signal": draw("signal")}
 
@@ -60,7 +60,7 @@ def test_both_protocols_of_a_seed_are_one_soil(beds: dict[Protocol, list[Truth]]
 
 def test_the_same_seed_gives_the_same_field(beds: dict[Protocol, list[Truth]]) -> None:
     for protocol, truths in beds.items():
-        again = test_bed(np.random.default_rng(SEEDS[3]), protocol)
+        again = draw_field(np.random.default_rng(SEEDS[3]), protocol)
         assert np.array_equal(again.kpa, truths[3].kpa)
         assert np.array_equal(again.noise, truths[3].noise)
         assert again.origin == truths[3].origin
@@ -92,7 +92,7 @@ def test_the_soil_of_a_field_varies_as_its_drawn_variogram_says() -> None:
     field = Field.from_metres([(0, 0), (60, 0), (60, 60), (0, 60)])
     ratios: dict[int, list[float]] = {1: [], 4: []}
     for seed in range(100):
-        truth = simulate(field, np.random.default_rng(seed))
+        truth = draw_truth(field, np.random.default_rng(seed))
         soil = _soil(truth)
         if soil.headland or soil.tramlines or soil.drift > 0.5:
             continue
@@ -117,9 +117,9 @@ def test_any_outline_can_have_a_soil(seed: int) -> None:
     outline = [(1000, 2000), (1120, 2010), (1110, 2060), (1060, 2055), (1050, 2110), (995, 2100)]
     field = Field.from_metres(outline, cell_size=4.0)
     layers = Layers((0.05, 0.15, 0.3, 0.6))
-    truth = simulate(field, np.random.default_rng(seed), layers)
+    truth = draw_truth(field, np.random.default_rng(seed), layers)
     assert truth.kpa.shape == (3, len(field.cells))
-    assert np.array_equal(simulate(field, np.random.default_rng(seed), layers).kpa, truth.kpa)
+    assert np.array_equal(draw_truth(field, np.random.default_rng(seed), layers).kpa, truth.kpa)
     readings = truth.kpa + truth.noise
     assert min(truth.kpa.min(), readings.min() + 1e-9) >= FLOOR_KPA
     variation = readings.std(axis=1) / readings.mean(axis=1)
@@ -129,14 +129,14 @@ def test_any_outline_can_have_a_soil(seed: int) -> None:
 def test_too_many_cells_are_refused_with_a_size_that_would_do() -> None:
     field = Field.from_metres([(0, 0), (500, 0), (500, 500), (0, 500)])
     with pytest.raises(ParameterError, match=r"10000 cells.*use cells of 5\.6 m"):
-        simulate(field, np.random.default_rng(0))
+        draw_truth(field, np.random.default_rng(0))
     enough = replace(field, cell_size=5.6)
     assert len(enough.cells) <= 8000
 
 
 def test_a_protocol_must_be_one_of_two() -> None:
     with pytest.raises(ParameterError, match="surrogate, signal"):
-        test_bed(np.random.default_rng(0), "truth")  # type: ignore[arg-type]
+        draw_field(np.random.default_rng(0), "truth")  # type: ignore[arg-type]
 
 
 def test_the_test_bed_of_a_seed_stays_what_published_comparisons_ran_on(
@@ -155,12 +155,12 @@ def test_the_test_bed_of_a_seed_stays_what_published_comparisons_ran_on(
 
 def test_the_test_bed_can_be_laid_on_any_field(beds: dict[Protocol, list[Truth]]) -> None:
     rectangle = [(0, 0), (180, 0), (180, 130), (0, 130)]
-    same = test_bed(np.random.default_rng(SEEDS[2]), field=Field.from_metres(rectangle))
+    same = draw_field(np.random.default_rng(SEEDS[2]), field=Field.from_metres(rectangle))
     assert np.array_equal(same.kpa, beds["surrogate"][2].kpa)
     bent = [(1003, 2001), (1150, 2001), (1150, 2060), (1070, 2060), (1070, 2140), (1003, 2140)]
     field = Field.from_metres(bent, name="L")
-    kriged = test_bed(np.random.default_rng(1), "surrogate", field)
-    grown = test_bed(np.random.default_rng(1), "signal", field)
+    kriged = draw_field(np.random.default_rng(1), "surrogate", field)
+    grown = draw_field(np.random.default_rng(1), "signal", field)
     assert kriged.origin == grown.origin
     off = kriged.kpa - kriged.kpa.mean(axis=1, keepdims=True)
     assert kriged.kpa.shape == (8, len(field.cells))
@@ -173,7 +173,7 @@ def test_the_test_bed_can_be_laid_on_any_field(beds: dict[Protocol, list[Truth]]
 def test_samples_at_the_centres_of_cells_read_the_soil_of_the_cell() -> None:
     """Cells of 10 m have their centres where the samples are."""
     field = Field.from_metres([(0, 0), (120, 0), (120, 90), (0, 90)], cell_size=10.0)
-    truth = test_bed(np.random.default_rng(1), "surrogate", field)
+    truth = draw_field(np.random.default_rng(1), "surrogate", field)
     assert truth.kpa.shape == (8, 108)
     assert np.isfinite(truth.kpa).all()
 
@@ -181,4 +181,4 @@ def test_samples_at_the_centres_of_cells_read_the_soil_of_the_cell() -> None:
 def test_a_test_bed_of_too_many_cells_is_refused() -> None:
     field = Field.from_metres([(0, 0), (500, 0), (500, 500), (0, 500)])
     with pytest.raises(ParameterError, match=r"10000 cells are more than the 8000"):
-        test_bed(np.random.default_rng(0), field=field)
+        draw_field(np.random.default_rng(0), field=field)

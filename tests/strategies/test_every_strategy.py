@@ -18,7 +18,7 @@ from subsoil.errors import NotAllowedError, ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE
-from subsoil.registry import module_of
+from subsoil.registry import Allowed
 from subsoil.reports import Reading
 from subsoil.strategies import STRATEGIES, strategy_named
 from subsoil.survey import LocalDispatch, Settings, Survey, opened, opening, view
@@ -137,7 +137,7 @@ def driven(
     """A whole survey; with several configurations, one after the other."""
     state = opened(opening(land, LAYERS, LARGE_CONE))
     course = Course(state)
-    dispatch = LocalDispatch(state, course, allowed=module_of(OWN))
+    dispatch = LocalDispatch(state, course, allowed=Allowed.by_name(OWN))
     dispatch.join("reader")
     for event in configured:
         dispatch.record(event)
@@ -255,7 +255,7 @@ def test_a_w_leaves_nothing_to_chance(fields: dict[str, Field]) -> None:
 def test_a_strategy_is_a_function_of_what_it_sees_and_leaves_that_alone(
     fields: dict[str, Field], name: str
 ) -> None:
-    strategy = strategy_named(name, allowed=module_of(name))
+    strategy = strategy_named(name, allowed=Allowed.by_name(name))
     stony = set(range(0, len(fields["keep-out"].cells), 3))
     for before, event in driven(fields["keep-out"], how(name, 8), stony=stony).plans:
         seen, kv = view(before), before.soil_map.kv.copy()
@@ -321,7 +321,7 @@ def test_a_name_or_setting_that_does_not_exist_is_refused(
     name: str, settings: dict[str, float | str], message: str
 ) -> None:
     with pytest.raises(ParameterError, match=message):
-        strategy_named(name, settings, module_of(name))
+        strategy_named(name, settings, Allowed.by_name(name))
 
 
 def test_code_of_a_module_that_nobody_allowed_is_not_run() -> None:

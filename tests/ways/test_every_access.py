@@ -22,7 +22,7 @@ from subsoil.layers import Layers
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.reports import Source
-from subsoil.simulation import simulate
+from subsoil.simulation import draw_truth
 from subsoil.simulation.probe import Machine
 from subsoil.simulation.robot import SimulatedRobot
 from subsoil.strategies import STRATEGIES, View
@@ -173,7 +173,7 @@ def test_every_strategy_plans_only_where_one_may_stop_and_can_get_to(
 @pytest.mark.parametrize("strategy", sorted(STRATEGIES))
 def test_a_survey_is_made_along_its_ways(access: Access, strategy: str) -> None:
     field = YARD if access == ACCESSES["around a shed"] else PLOT
-    truth = simulate(field, np.random.default_rng(1))
+    truth = draw_truth(field, np.random.default_rng(1))
     start = replace(opened(opening(field, truth.layers, SMALL_CONE)), access=access)
     dispatch = LocalDispatch(start, Memory())
     wanted = Settings(start=START, strategy=strategy, estimator="paper-10", samples=5, seed=1)

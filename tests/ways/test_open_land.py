@@ -25,7 +25,7 @@ from subsoil.layers import Layers, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.plots.album import way as drawn_way
-from subsoil.simulation import Machine, SimulatedRobot, simulate
+from subsoil.simulation import Machine, SimulatedRobot, draw_truth
 from subsoil.survey import apply, opened, opening, view
 from subsoil.survey.events import Configured, Planned
 from subsoil.variogram import Spherical
@@ -229,7 +229,7 @@ def test_a_way_is_as_long_as_between_says_and_stays_on_allowed_land(
 
 
 def test_the_simulated_robot_drives_around_a_keep_out_and_its_battery_and_clock_know() -> None:
-    soil = simulate(SHED, np.random.default_rng(1))
+    soil = draw_truth(SHED, np.random.default_rng(1))
     machine = Machine(SMALL_CONE, speed_mps=0.5)
     robot = SimulatedRobot(soil, machine, seed=1, position=(20.0, 25.0))
     arrival = robot.go_to(Assignment("a", 0, 0, (80.0, 25.0)))

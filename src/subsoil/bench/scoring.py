@@ -12,7 +12,7 @@ from subsoil.errors import SubsoilError
 from subsoil.mapping.scores import rmse
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import LARGE_CONE
-from subsoil.registry import NOBODY, module_of
+from subsoil.registry import NOBODY, Allowed
 from subsoil.reports import Source
 from subsoil.simulation import Truth
 from subsoil.survey import LocalDispatch, Settings, Survey, opened, opening
@@ -78,7 +78,7 @@ def scored(task: Task) -> Result:
 
 
 def surveyed(
-    task: Task, samples: int, truth: Truth, scorer: Scorer, allowed: frozenset[str] = NOBODY
+    task: Task, samples: int, truth: Truth, scorer: Scorer, allowed: Allowed = NOBODY
 ) -> Survey:
     """Survey a field with a number of samples; returns the state at its end.
 
@@ -118,7 +118,7 @@ def surveyed(
 
 def _series(task: Task, samples: int, truth: Truth) -> Series:
     scorer = Scorer(truth)
-    allowed = module_of(task.entrant.strategy) | module_of(task.entrant.estimator)
+    allowed = Allowed.by_name(task.entrant.strategy, task.entrant.estimator)
     survey = surveyed(task, samples, truth, scorer, allowed)
     if survey.taken < samples:
         raise SubsoilError(

@@ -19,13 +19,13 @@ import numpy as np
 
 from subsoil.bench.paper import RMSE_KPA
 from subsoil.errors import ParameterError
-from subsoil.registry import module_of
+from subsoil.registry import Allowed
 from subsoil.strategies import strategy_named
 from subsoil.variogram import estimator_named
 
 PAPER_STRATEGIES = tuple(RMSE_KPA)
 PROTOCOLS = ("surrogate", "signal", "riseholme")
-"""The two of :func:`subsoil.simulation.test_bed`, and soils conditional on real readings."""
+"""The two of :func:`subsoil.simulation.draw_field`, and soils conditional on real readings."""
 
 _SOIL, _SURVEY, _HAND = 0, 1, 2
 
@@ -216,8 +216,8 @@ def entrants_of(strategies: tuple[str, ...], estimators: tuple[str, ...]) -> tup
         for estimator in estimators or (_own_estimator(strategy),)
     )
     for k, entrant in enumerate(entrants):
-        strategy_named(entrant.strategy, allowed=module_of(entrant.strategy))
-        estimator_named(entrant.estimator, allowed=module_of(entrant.estimator))
+        strategy_named(entrant.strategy, allowed=Allowed.by_name(entrant.strategy))
+        estimator_named(entrant.estimator, allowed=Allowed.by_name(entrant.estimator))
         if entrant in entrants[:k]:
             raise ParameterError(
                 f"{entrant.strategy} with {entrant.estimator} comes twice",

@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 
 import typer
 
-from subsoil.agent import drive
 from subsoil.cli import limits as enough
 from subsoil.cli.inspect import summary
 from subsoil.cli.options import (
@@ -29,11 +28,11 @@ from subsoil.layers import Layers
 from subsoil.mapping.scores import rmse
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
-from subsoil.reports import Source
 from subsoil.simulation import Truth
 from subsoil.survey import LocalDispatch, Settings, Survey, fits_of, fold, opening
 from subsoil.survey.events import Configured, Event, Planned, Simulation
-from subsoil.worlds import SIMULATED, demo_field, robot_of, simulation_of, truth_of
+from subsoil.survey.simulated import SIMULATED, simulation_of, work
+from subsoil.worlds import demo_field, truth_of
 
 World = Literal["simulated", "riseholme"]
 _FILE = "survey.gpkg"
@@ -107,8 +106,7 @@ def _survey(
         dispatch = LocalDispatch(fold(journal.events()), journal, follow, allowed=allowed)
         dispatch.record(Configured(settings=settings))
         dispatch.join(SIMULATED, "simulator", simulation=simulation)
-        robot = robot_of(dispatch.survey, truth)
-        drive(SIMULATED, robot, dispatch, source=Source(kind="simulator"))
+        work(dispatch, truth)
         history.append(_progress(dispatch.survey, truth))
         advance(dispatch.survey.taken, _in_short(history[-1]))
     return dispatch.survey, tuple(history)

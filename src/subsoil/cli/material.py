@@ -3,53 +3,44 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from subsoil.cli.options import layers_of
 from subsoil.errors import ParameterError
 from subsoil.io.readings import read_readings
 from subsoil.journal import read_events
+from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
-from subsoil.layers import Layers, Sample
+from subsoil.layers import Layers
 from subsoil.penetrometer import Cone
+from subsoil.readings import Readings
 from subsoil.survey import fold
+from subsoil.survey.measured import readings_of
 
 
 @dataclass(frozen=True)
 class Material:
-    """Readings to look at, from whatever file.
+    """Readings, and the layers to look at them in.
 
     Attributes
     ----------
-    samples
-        Layer values by place.
+    readings
+        Of a file or a survey.
     layers
-        Depth bands.
-    refused
-        What was left out, a line each.
-    notes
-        What to know of the file and of the field as wholes, a line each.
-    simulated
-        Whether they are of a soil that was drawn.
+        Those asked for, or of the survey.
     """
 
-    samples: tuple[Sample, ...]
+    readings: Readings
     layers: Layers
-    refused: tuple[str, ...]
-    notes: tuple[str, ...] = ()
-    simulated: bool = False
 
-    @property
-    def at(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        """(n, 2) places in m."""
-        return np.array([sample.at for sample in self.samples], dtype=float).reshape(-1, 2)
-
-    @property
-    def kpa(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        """(m, n) measured kPa, NaN where not measured."""
-        return np.array([sample.measured_kpa for sample in self.samples]).T
+    @cached_property
+    def kpa(self) -> NDArray[np.float64]:
+        """(m, n) layer means in kPa, NaN where not measured."""
+        return self.readings.layer_means(self.layers)
 
 
 def material_of(
@@ -66,29 +57,24 @@ def material_of(
     ------
     ParameterError
         If there are fewer than three.
+    ReadingsError
+        If there are too many for the memory of this machine.
     """
     if path.suffix.lower() == ".gpkg":
         survey = fold(read_events(path))
-        material = Material(
-            survey.soil_map.samples, survey.layers, (), survey.notes, survey.simulated
-        )
+        material = Material(readings_of(survey), survey.layers)
     else:
         cone = Cone(cone_area) if cone_area is not None else None
         readings = read_readings(path, field=field, crs=crs, cone=cone, units=units)
-        layers = layers_of(edges)
-        samples = tuple(
-            layers.sample(profile, at)
-            for profile, at in zip(readings.profiles, readings.at, strict=True)
-        )
-        refused = tuple(str(finding) for finding in readings.refused)
-        of_field = field.notes if field else ()
-        material = Material(samples, layers, refused, (*of_field, *readings.notes))
-    if len(material.samples) < 3:
-        left = f", {len(material.refused)} were left out" if material.refused else ""
-        first = f" (first {material.refused[0]})" if material.refused else ""
+        material = Material(readings, layers_of(edges))
+    number, refused = len(material.readings), material.readings.refused
+    if number < 3:
+        left = f", {len(refused)} were left out" if refused else ""
+        first = f" (first {refused[0]})" if refused else ""
         raise ParameterError(
-            f"{len(material.samples)} readings are too few to score a map{left}{first}",
+            f"{number} readings are too few to score a map{left}{first}",
             where=str(path),
             remedy="take three or more",
         )
+    check_memory(number)
     return material

@@ -10,15 +10,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated
 
-import numpy as np
 import typer
-from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError, brief
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.drift_choice import DriftRule
-from subsoil.registry import NOBODY, imported, module_of
+from subsoil.registry import NOBODY, Allowed, imported
 from subsoil.stopping import Goal, Rates
 from subsoil.strategies import strategy_named
 from subsoil.survey import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, checked
@@ -85,7 +83,7 @@ def settings_of(
     strategy_settings: Mapping[str, float | str] = _NONE,
     estimator_settings: Mapping[str, float] = _NONE,
     drift: DriftRule = "auto",
-    allowed: frozenset[str] = NOBODY,
+    allowed: Allowed = NOBODY,
 ) -> Settings:
     """How to survey a field, as options say.
 
@@ -117,7 +115,7 @@ def settings_of(
     return checked(settings, field)
 
 
-def allowed_by(modules: list[str] | None, *typed: str) -> frozenset[str]:
+def allowed_by(modules: list[str] | None, *typed: str) -> Allowed:
     """Modules whose code may be run: those allowed, and those of names that the user typed.
 
     For these the current folder is searched too, after everything else.
@@ -127,11 +125,11 @@ def allowed_by(modules: list[str] | None, *typed: str) -> frozenset[str]:
     ParameterError
         If one that is allowed cannot be imported.
     """
-    allowed = frozenset(name.partition(":")[0] for name in modules or ())
-    own = allowed.union(*(module_of(name) for name in typed))
-    if own and os.getcwd() not in sys.path:
+    allowed = Allowed(frozenset(name.partition(":")[0] for name in modules or ()))
+    own = allowed | Allowed.by_name(*typed)
+    if own.modules and os.getcwd() not in sys.path:
         sys.path.append(os.getcwd())
-    for module in sorted(allowed):
+    for module in sorted(allowed.modules):
         imported(module, "--allow")
     return own
 
@@ -170,11 +168,6 @@ def numbers(settings: list[str] | None) -> dict[str, float]:
             raise ParameterError(f"{name} needs a number, not {value!r}", where="setting")
         found[name] = value
     return found
-
-
-def extent_of(at: NDArray[np.float64]) -> float:
-    """Diagonal in m of the box around (n, 2) places, one metre at least."""
-    return max(float(np.hypot(*np.ptp(at, axis=0))), 1.0)
 
 
 def layers_of(text: str) -> Layers:

@@ -17,7 +17,6 @@ from subsoil.cli.options import (
     Edges,
     EstimatorName,
     EstimatorSettings,
-    extent_of,
     numbers,
 )
 from subsoil.cli.output import AsJson, Out, folder, progress, tell, tell_table
@@ -25,11 +24,9 @@ from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.kriging import LeaveOneOut, block_out
-from subsoil.kriging.drift import NO_COVARIATE, Covariate
-from subsoil.kriging.memory import check_memory
-from subsoil.mapping.drift_choice import learn
+from subsoil.mapping.fit import Fits, fit, in_words
+from subsoil.mapping.krige import krige
 from subsoil.mapping.skill import layer_scores, no_better_than_mean
-from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots import readings_figures
 from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
 
@@ -68,28 +65,24 @@ def make_map(
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     field = read_field(boundary, crs=crs, cell_size=cell)
     material = material_of(readings, layers, field, crs, cone_area, units)
-    check_memory(len(material.samples), len(field.cells))
     known = covariate_of(covariate, column, field, crs)
     chosen = estimator_named(estimator, field.extent_m, numbers(setting))
-    learnt = learn(material.at, material.kpa, known, chosen, rule_named(drift))
-    fits = learnt.fits
-    soil_map = SoilMap(
-        field, material.layers, tuple(fit.variogram for fit in fits), material.samples,
-        known, learnt.drift, material.simulated,
-    )  # fmt: skip
-    scores = _scores(material, fits, known, learnt.drift)
+    found = material.readings
+    fits = fit(found, material.layers, chosen, covariate=known, drift=rule_named(drift))
+    soil_map = krige(field, found, fits)
+    scores = _scores(material, fits)
     unskilled = _unskilled(material, scores)
     rasters = write_geotiffs(soil_map, folder(out))
-    figures = readings_figures(soil_map, fits, out)
+    figures = readings_figures(soil_map, fits.fits, out)
     result = {
         "readings": readings,
         "field": field.name,
         "area_ha": field.area_ha,
-        "samples": len(material.samples),
-        "refused": material.refused,
+        "samples": len(found),
+        "refused": _refused(material),
         "std_dev_kpa": float(np.sqrt(soil_map.field_kv)),
-        "notes": tuple(dict.fromkeys((*material.notes, *soil_map.notes, *unskilled))),
-        "drift": [material.layers.names[k] for k in learnt.drift],
+        "notes": tuple(dict.fromkeys((*found.notes, *soil_map.notes, *unskilled))),
+        "drift": [material.layers.names[k] for k in fits.drift],
         "maps": rasters,
         "figures": figures,
     }
@@ -112,20 +105,18 @@ def variogram(
     """Show empirical variograms with pair counts, and what was fitted to them."""
     field = read_field(boundary, crs=crs) if boundary else None
     material = material_of(readings, layers, field, crs, cone_area, units)
-    check_memory(len(material.samples))
-    extent = field.extent_m if field else extent_of(material.at)
-    chosen = estimator_named(estimator, extent, numbers(setting))
-    fits = chosen(material.at, material.kpa)
+    chosen = estimator_named(estimator, material.readings.extent_m, numbers(setting))
+    fits = fit(material.readings, material.layers, chosen)
     posterior = _posterior(chosen, material)
     if as_json:
         reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
         tell({**_about(material), **posterior, "layers": reports}, as_json)
         return
     tell({**_about(material), **posterior}, as_json)
-    for name, fit in zip(material.layers.names, fits, strict=True):
-        bins = fit.empirical
+    for name, each in zip(material.layers.names, fits, strict=True):
+        bins = each.empirical
         tell_table(
-            f"{name}: {_in_words(fit)}\n{fit.why}",
+            f"{name}: {in_words(each)}\n{each.why}",
             ("lag m", "pairs", "semivariance kPa2"),
             list(
                 zip(bins.lag.tolist(), bins.pairs.tolist(), bins.semivariance.tolist(), strict=True)
@@ -148,19 +139,20 @@ def cv(
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     field = read_field(boundary, crs=crs) if boundary else None
     material = material_of(readings, layers, field, crs, cone_area, units)
-    check_memory(len(material.samples))
-    extent = field.extent_m if field else extent_of(material.at)
-    fits = estimator_named(estimator, extent, numbers(setting))(material.at, material.kpa)
+    found = material.readings
+    chosen = estimator_named(estimator, found.extent_m, numbers(setting))
+    fits = fit(found, material.layers, chosen)
     scores = _scores(material, fits)
     about = {
         **_about(material),
-        "notes": (*material.notes, *_unskilled(material, scores)),
+        "notes": (*found.notes, *_unskilled(material, scores)),
     }
     blocks = []
     with progress(f"leaving {block:g} m blocks out", len(fits)) as advance:
-        for name, fit, kpa in zip(material.layers.names, fits, material.kpa, strict=True):
+        each = zip(material.layers.names, fits.variograms, material.kpa, strict=True)
+        for name, model, kpa in each:
             known = np.isfinite(kpa)
-            blocks.append(block_out(fit.variogram, material.at[known], kpa[known], block))
+            blocks.append(block_out(model, found.at[known], kpa[known], block))
             advance(len(blocks), name)
     rows = _score_dicts(material, fits, scores)
     for row, score in zip(rows, blocks, strict=True):
@@ -171,21 +163,16 @@ def cv(
         return
     tell(about, as_json)
     tell_table(
-        f"Leave-one-out and {block:g} m blocks, {len(material.samples)} samples",
+        f"Leave-one-out and {block:g} m blocks, {len(found)} samples",
         list(rows[0]),
         [list(row.values()) for row in rows],
     )
 
 
-def _scores(
-    material: Material,
-    fits: tuple[Fit, ...],
-    covariate: Covariate = NO_COVARIATE,
-    drift: tuple[int, ...] = (),
-) -> list[LeaveOneOut]:
-    scores = []
-    variograms, names = [fit.variogram for fit in fits], material.layers.names
-    found = layer_scores(material.at, material.kpa, variograms, covariate, drift)
+def _scores(material: Material, fits: Fits) -> list[LeaveOneOut]:
+    scores, names = [], material.layers.names
+    at, models = material.readings.at, fits.variograms
+    found = layer_scores(at, material.kpa, models, fits.covariate, fits.drift)
     with progress("leaving readings out", len(fits)) as advance:
         for k, (name, score) in enumerate(zip(names, found, strict=True)):
             if score is None:
@@ -202,10 +189,14 @@ def _scores(
 def _about(material: Material) -> dict[str, object]:
     """How many readings are used, which are not and why, and what else to know."""
     return {
-        "samples": len(material.samples),
-        "refused": material.refused,
-        "notes": material.notes,
+        "samples": len(material.readings),
+        "refused": _refused(material),
+        "notes": material.readings.notes,
     }
+
+
+def _refused(material: Material) -> tuple[str, ...]:
+    return tuple(str(finding) for finding in material.readings.refused)
 
 
 def _unskilled(material: Material, scores: list[LeaveOneOut]) -> Iterator[str]:
@@ -213,7 +204,7 @@ def _unskilled(material: Material, scores: list[LeaveOneOut]) -> Iterator[str]:
 
 
 def _score_dicts(
-    material: Material, fits: tuple[Fit, ...], scores: list[LeaveOneOut]
+    material: Material, fits: Fits, scores: list[LeaveOneOut]
 ) -> list[dict[str, object]]:
     return [
         {
@@ -221,19 +212,19 @@ def _score_dicts(
             "samples": int(np.isfinite(kpa).sum()),
             "mean_kpa": float(np.nanmean(kpa)),
             "sd_kpa": float(np.nanstd(kpa)),
-            "range_m": fit.variogram.range,
-            "nugget_share": fit.variogram.nugget / fit.variogram.sill,
+            "range_m": model.range,
+            "nugget_share": model.nugget / model.sill,
             "loo_rmse_kpa": float(score.rmse[0]),
             "loo_skill": float(score.skill[0]),
             "loo_calibration": float(score.calibration[0]),
         }
-        for name, kpa, fit, score in zip(
-            material.layers.names, material.kpa, fits, scores, strict=True
+        for name, kpa, model, score in zip(
+            material.layers.names, material.kpa, fits.variograms, scores, strict=True
         )
     ]
 
 
-def _tell_scores(material: Material, fits: tuple[Fit, ...], scores: list[LeaveOneOut]) -> None:
+def _tell_scores(material: Material, fits: Fits, scores: list[LeaveOneOut]) -> None:
     rows = _score_dicts(material, fits, scores)
     tell_table(
         "Leave-one-out (skill 0 = no better than the mean, calibration 1 = honest variances)",
@@ -242,19 +233,11 @@ def _tell_scores(material: Material, fits: tuple[Fit, ...], scores: list[LeaveOn
     )
 
 
-def _in_words(fit: Fit) -> str:
-    model = fit.variogram
-    return (
-        f"{name_of(model)}, nugget {model.nugget:.4g} kPa2, sill {model.sill:.4g} kPa2, "
-        f"range {model.range:.0f} m"
-    )
-
-
 def _posterior(estimator: Estimator, material: Material) -> dict[str, object]:
     """What a pooled estimator knows of the correlogram that all layers share; else nothing."""
     if not isinstance(estimator, Pooled):
         return {}
-    found = estimator.posterior(material.at, material.kpa)
+    found = estimator.posterior(material.readings.at, material.kpa)
     quantiles = (0.05, 0.5, 0.95)
     return {
         "posterior range_m": [found.range_at(p) for p in quantiles],
@@ -265,17 +248,17 @@ def _posterior(estimator: Estimator, material: Material) -> dict[str, object]:
     }
 
 
-def _fit_dict(name: str, fit: Fit) -> dict[str, object]:
+def _fit_dict(name: str, found: Fit) -> dict[str, object]:
     return {
         "layer": name,
-        "model": name_of(fit.variogram),
-        "nugget_kpa2": fit.variogram.nugget,
-        "range_m": fit.variogram.range,
-        "psill_kpa2": fit.variogram.psill,
-        "r2": fit.r2,
-        "at_bound": fit.at_bound,
-        "why": fit.why,
-        "lag_m": fit.empirical.lag.tolist(),
-        "pairs": fit.empirical.pairs.tolist(),
-        "semivariance_kpa2": fit.empirical.semivariance.tolist(),
+        "model": name_of(found.variogram),
+        "nugget_kpa2": found.variogram.nugget,
+        "range_m": found.variogram.range,
+        "psill_kpa2": found.variogram.psill,
+        "r2": found.r2,
+        "at_bound": found.at_bound,
+        "why": found.why,
+        "lag_m": found.empirical.lag.tolist(),
+        "pairs": found.empirical.pairs.tolist(),
+        "semivariance_kpa2": found.empirical.semivariance.tolist(),
     }

@@ -10,7 +10,6 @@ from typing import Annotated
 
 import typer
 
-from subsoil.agent import drive
 from subsoil.cli import limits as enough
 from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of, rule_named
 from subsoil.cli.inspect import summary
@@ -40,12 +39,14 @@ from subsoil.errors import JournalError, ParameterError, brief
 from subsoil.io.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
-from subsoil.reports import Refused, Sampled, Source
+from subsoil.registry import Allowed
+from subsoil.reports import Refused, Sampled
 from subsoil.simulation import Machine, Truth
 from subsoil.stopping import Rates
 from subsoil.survey import LocalDispatch, Survey, fold, opening
 from subsoil.survey.events import Configured, Event, Planned, Simulation
-from subsoil.worlds import SIMULATED, robot_of, simulation_of, soil_of, truth_of
+from subsoil.survey.simulated import SIMULATED, simulation_of, work
+from subsoil.worlds import soil_of, truth_of
 
 Faster = Annotated[
     float,
@@ -149,7 +150,7 @@ def run(
         with _working(journal, state, settings.samples, allowed) as dispatch:
             dispatch.record(Configured(settings=settings))
             dispatch.join(SIMULATED, "simulator", simulation=simulation)
-            _work(dispatch, truth, faster)
+            work(dispatch, truth, faster)
     tell({**summary(dispatch.survey), "notes": (*journal.notes, *dispatch.survey.notes)}, as_json)
 
 
@@ -170,13 +171,13 @@ def resume(
         with _working(journal, state, state.settings.samples, allowed) as dispatch:
             if fresh_battery:
                 dispatch.swap_battery(SIMULATED)
-            _work(dispatch, truth, faster)
+            work(dispatch, truth, faster)
     tell({**summary(dispatch.survey), "notes": (*journal.notes, *dispatch.survey.notes)}, as_json)
 
 
 @contextmanager
 def _working(
-    journal: Journal, state: Survey, samples: int, allowed: frozenset[str]
+    journal: Journal, state: Survey, samples: int, allowed: Allowed
 ) -> Iterator[LocalDispatch]:
     """Dispatch of a survey that shows its progress."""
     with progress("surveying", samples) as advance:
@@ -186,12 +187,6 @@ def _working(
                 advance(survey.taken, _in_short(survey))
 
         yield LocalDispatch(state, journal, show, allowed=allowed)
-
-
-def _work(dispatch: LocalDispatch, truth: Truth, faster: float) -> None:
-    """Drive the simulated robot through a survey."""
-    robot = robot_of(dispatch.survey, truth, faster)
-    drive(SIMULATED, robot, dispatch, source=Source(kind="simulator"))
 
 
 def _soil(survey: Survey, world: str | None, seed: int) -> tuple[Truth, Simulation]:

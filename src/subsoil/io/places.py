@@ -9,9 +9,9 @@ import shapely
 from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
-from subsoil.io.records import Finding
 from subsoil.land.crs import WGS84, check_metric, looks_swapped, metres_frame, project, utm_crs
 from subsoil.land.field import Field
+from subsoil.readings import Finding
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -7,26 +7,23 @@ others are used: nothing is dropped in silence, and nothing is mended by guessin
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
 from subsoil.io.missing import without_codes
 from subsoil.io.places import Places, elsewhere, outside
 from subsoil.io.plausible import strength_notes
 from subsoil.io.readings_csv import read_readings_csv
-from subsoil.io.records import Finding, Floats, Recording, kpa_per_unit
+from subsoil.io.records import Recording, kpa_per_unit
 from subsoil.io.robot_yaml import read_robot_yaml
 from subsoil.io.text import check_file
 from subsoil.io.usable import usable
 from subsoil.land.field import Field
-from subsoil.layers import Layers
-from subsoil.penetrometer import Cone, Profile
-
-Integers = NDArray[np.int64]
+from subsoil.penetrometer import Cone
+from subsoil.readings import Finding, Readings, extent_of
 
 READERS: dict[str, Callable[[Path], Recording]] = {
     ".csv": read_readings_csv,
@@ -35,52 +32,6 @@ READERS: dict[str, Callable[[Path], Recording]] = {
 }
 """Reader of each suffix. Another instrument needs no more than a function from a path to a
 :class:`~subsoil.io.records.Recording`, put here."""
-
-
-@dataclass(frozen=True)
-class Readings:
-    """Usable readings of a file.
-
-    Attributes
-    ----------
-    at
-        (n, 2) easting and northing in m.
-    profiles
-        Soil strength by depth of each reading. Files do not say why a push ended early, so
-        nothing is assumed of the soil below it.
-    rows
-        (n,) row or record number of each reading in the file.
-    refused
-        What was left out and why, by row.
-    crs
-        Frame of ``at``; empty for a local frame.
-    source
-        The file.
-    notes
-        What its owner should know of the file as a whole, a sentence each.
-    """
-
-    at: Floats
-    profiles: tuple[Profile, ...]
-    rows: Integers
-    refused: tuple[Finding, ...]
-    crs: str
-    source: Path
-    notes: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        for array in (self.at, self.rows):
-            array.setflags(write=False)
-
-    def __len__(self) -> int:
-        return len(self.profiles)
-
-    def layer_means(self, layers: Layers) -> Floats:
-        """(m, n) means in kPa of every layer at every reading, NaN where not measured through."""
-        samples = (
-            layers.sample(profile, at) for profile, at in zip(self.profiles, self.at, strict=True)
-        )
-        return np.column_stack([sample.measured_kpa for sample in samples])
 
 
 def read_readings(
@@ -120,7 +71,7 @@ def read_readings(
     BoundaryError
         If the CRS is unknown or cannot be brought to the field's.
     """
-    path = Path(path)
+    path, of_field = Path(path), field.notes if field else ()
     recording = _recording(path)
     coded, codes = without_codes(recording.records)
     recording = replace(recording, records=coded)
@@ -145,11 +96,12 @@ def read_readings(
     return Readings(
         at[inside],
         tuple(profile for profile, kept in zip(profiles, inside, strict=True) if kept),
+        extent_of(at[inside]) if field is None else field.extent_m,
         rows[inside],
         tuple(sorted(refused, key=lambda finding: finding.row)),
         home,
-        path,
-        (*recording.notes, *codes, *strength_notes(profiles)),
+        str(path),
+        (*of_field, *recording.notes, *codes, *strength_notes(profiles)),
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError, brief
 from subsoil.penetrometer import Cone
+from subsoil.readings import Finding
 
 Floats = NDArray[np.float64]
 
@@ -24,32 +25,13 @@ _METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0, "in": 0.0254}
 
 
 @dataclass(frozen=True)
-class Finding:
-    """Something about one row that its owner should know.
-
-    Attributes
-    ----------
-    row
-        Row of a table, its header being row 1, or record of another file, the first being 1.
-    message
-        What is wrong with it, in one line.
-    """
-
-    row: int
-    message: str
-
-    def __str__(self) -> str:
-        return f"row {self.row}: {self.message}"
-
-
-@dataclass(frozen=True)
 class Record:
     """One reading as it stands in a file.
 
     Attributes
     ----------
     row
-        As in :class:`Finding`.
+        As in :class:`~subsoil.readings.Finding`.
     x, y
         Longitude and latitude in degrees, or easting and northing in m.
     depth_m

@@ -20,8 +20,9 @@ import yaml
 
 from subsoil.errors import ReadingsError, brief
 from subsoil.io.missing import is_missing
-from subsoil.io.records import Finding, Floats, Record, Recording, depth_of
+from subsoil.io.records import Floats, Record, Recording, depth_of
 from subsoil.io.text import read_text
+from subsoil.readings import Finding
 
 _SafeLoader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """The fast one where there is one."""

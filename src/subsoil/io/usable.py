@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from subsoil.io.records import HARDEST_KPA, Finding, Record, Recording
+from subsoil.io.records import HARDEST_KPA, Record, Recording
 from subsoil.penetrometer import Profile
+from subsoil.readings import Finding
 
 
 def usable(

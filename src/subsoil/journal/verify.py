@@ -14,7 +14,7 @@ from subsoil.journal.content import ROOT, Recorded, cut_off, digest_of, read_row
 from subsoil.journal.foreign import foreign
 from subsoil.journal.geopackage import geometry_of, srs_of_frame
 from subsoil.journal.marks import marks
-from subsoil.registry import NOBODY
+from subsoil.registry import NOBODY, Allowed
 from subsoil.survey import Survey, fold
 from subsoil.survey.events import Event, Opened
 from subsoil.survey.formats import Reader
@@ -28,7 +28,7 @@ _MOST = 20
 
 def verify(
     path: Path,
-    allowed: frozenset[str] = NOBODY,
+    allowed: Allowed = NOBODY,
     progress: Callable[[int], None] = lambda _: None,
 ) -> Verdict:
     """Differences between a survey file and what its events imply.

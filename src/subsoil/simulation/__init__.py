@@ -1,7 +1,7 @@
 """Soils that are known everywhere, and a robot to survey them with."""
 
 from subsoil.simulation.conditional import conditional_truth
-from subsoil.simulation.fields import Protocol, simulate, test_bed
+from subsoil.simulation.fields import Protocol, draw_field, draw_truth
 from subsoil.simulation.probe import Machine, push
 from subsoil.simulation.robot import SimulatedRobot
 from subsoil.simulation.soil import Soil
@@ -17,8 +17,8 @@ __all__ = [
     "Soil",
     "Truth",
     "conditional_truth",
+    "draw_field",
+    "draw_truth",
     "push",
-    "simulate",
     "surrogate",
-    "test_bed",
 ]

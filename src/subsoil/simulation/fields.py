@@ -40,10 +40,10 @@ _POOLED_SD_KPA = 65.0
 _PAPER_FIT = replace(paper_10, nugget_floor=0.0)
 
 
-def test_bed(
+def draw_field(
     rng: np.random.Generator,
-    protocol: Protocol = "surrogate",  # noqa: PT028
-    field: Field | None = None,  # noqa: PT028
+    protocol: Protocol = "surrogate",
+    field: Field | None = None,
 ) -> Truth:
     """Draw a field of the test bed: 180 x 130 m, 936 cells of 5 m, eight layers of 5 cm.
 
@@ -72,7 +72,7 @@ def test_bed(
 
     Examples
     --------
-    >>> truth = test_bed(np.random.default_rng(1))
+    >>> truth = draw_field(np.random.default_rng(1))
     >>> truth.kpa.shape
     (8, 936)
     """
@@ -95,10 +95,9 @@ def test_bed(
 
 
 # pytest takes functions called test_* for tests wherever they are imported.
-test_bed.__dict__["__test__"] = False
 
 
-def simulate(field: Field, rng: np.random.Generator, layers: Layers = PAPER_LAYERS) -> Truth:
+def draw_truth(field: Field, rng: np.random.Generator, layers: Layers = PAPER_LAYERS) -> Truth:
     """Draw a soil for any field, as in the test bed under the ``"signal"`` protocol, unscaled.
 
     Below 10 cm readings vary by about 0.3 of their mean, as in real grassland. The drift spans the

@@ -56,9 +56,9 @@ class SimulatedRobot:
     --------
     >>> from subsoil.land.field import Field
     >>> from subsoil.penetrometer import SMALL_CONE
-    >>> from subsoil.simulation import simulate
+    >>> from subsoil.simulation import draw_truth
     >>> field = Field.from_metres([(0, 0), (50, 0), (50, 40), (0, 40)])
-    >>> truth = simulate(field, np.random.default_rng(1))
+    >>> truth = draw_truth(field, np.random.default_rng(1))
     >>> robot = SimulatedRobot(truth, Machine(SMALL_CONE), seed=1, position=(0.0, 0.0))
     >>> robot.go_to(Assignment("a", 0, 0, (30.0, 40.0))).metres, robot.probe().seconds
     (50.0, 50.0)

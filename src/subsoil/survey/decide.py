@@ -11,10 +11,10 @@ from math import nan
 
 import numpy as np
 
-from subsoil.errors import ParameterError
+from subsoil.errors import brief
 from subsoil.mapping.drift_choice import learn
-from subsoil.registry import NOBODY
-from subsoil.strategies import Plan, View, strategy_named
+from subsoil.registry import NOBODY, Allowed
+from subsoil.strategies import Plan, View, planned, strategy_named
 from subsoil.survey.events import Event, Finished, Fitted, Planned
 from subsoil.survey.fold import apply
 from subsoil.survey.records import fit_record
@@ -25,7 +25,7 @@ _FEW = 12
 """Samples up to which variograms are estimated anew after each, whatever the schedule."""
 
 
-def settled(survey: Survey, allowed: frozenset[str] = NOBODY) -> tuple[Survey, tuple[Event, ...]]:
+def settled(survey: Survey, allowed: Allowed = NOBODY) -> tuple[Survey, tuple[Event, ...]]:
     """Run what follows from a state to where an agent is needed, or the survey is finished.
 
     Parameters
@@ -47,7 +47,7 @@ def settled(survey: Survey, allowed: frozenset[str] = NOBODY) -> tuple[Survey, t
     return survey, tuple(events)
 
 
-def decision(survey: Survey, allowed: frozenset[str] = NOBODY) -> Event | None:
+def decision(survey: Survey, allowed: Allowed = NOBODY) -> Event | None:
     """What follows next from the state alone; ``None`` where that must come from an agent."""
     if survey.finished:
         return None
@@ -105,7 +105,7 @@ def _plan_due(survey: Survey) -> bool:
     return all_on_way and survey.planned_for != survey.assigned
 
 
-def _fit(survey: Survey, allowed: frozenset[str]) -> Fitted:
+def _fit(survey: Survey, allowed: Allowed) -> Fitted:
     soil_map, rule = survey.soil_map, survey.settings.drift
     estimator = estimator_of(survey, allowed)
     learnt = learn(soil_map.at, soil_map.kpa, soil_map.covariate, estimator, rule)
@@ -116,11 +116,10 @@ def _fit(survey: Survey, allowed: frozenset[str]) -> Fitted:
     )
 
 
-def _plan(survey: Survey, allowed: frozenset[str]) -> Planned:
+def _plan(survey: Survey, allowed: Allowed) -> Planned:
     settings = survey.settings
     strategy = strategy_named(settings.strategy, settings.strategy_settings, allowed)
-    plan = strategy(view(survey))
-    _check_plan(survey, plan)
+    plan = planned(strategy, view(survey), f"strategy {brief(settings.strategy)}")
     kept = survey.planned_at != NEVER and (plan.cells, plan.pushes) == (
         survey.plan.cells,
         survey.plan.pushes,
@@ -152,30 +151,3 @@ def _enough(survey: Survey) -> str:
     if not survey.plan.cells:
         return "" if survey.leases else survey.plan.reason or "nothing is planned"
     return settings.limits.passed(survey.spent, survey.spent_after_next)
-
-
-def _check_plan(survey: Survey, plan: Plan) -> None:
-    where = f"strategy {survey.settings.strategy}"
-    if plan.pushes and (len(plan.pushes) != len(plan.cells) or min(plan.pushes) < 1):
-        raise ParameterError(
-            f"it plans {plan.pushes} pushes at {len(plan.cells)} stops",
-            where=where,
-            remedy="plan one or more at each, or none for one each",
-        )
-    gone = {*survey.visited, *survey.refused, *(lease.cell for lease in survey.leases)}
-    for cell in plan.cells:
-        if not 0 <= cell < len(survey.field.cells):
-            raise ParameterError(f"it plans cell {cell}, which is not in the field", where=where)
-        if not survey.access.stops[cell]:
-            raise ParameterError(
-                f"it plans cell {cell}, at which one cannot stop",
-                where=where,
-                remedy="plan free cells only: View.free",
-            )
-        if cell in gone:
-            raise ParameterError(
-                f"it plans cell {cell}, which is visited, refused, assigned or planned already",
-                where=where,
-                remedy="plan free cells only, each once",
-            )
-        gone.add(cell)

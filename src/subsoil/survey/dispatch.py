@@ -15,7 +15,7 @@ from typing import Protocol
 
 from subsoil.agent import Assignment, Done, Wait
 from subsoil.errors import ReportError
-from subsoil.registry import NOBODY
+from subsoil.registry import NOBODY, Allowed
 from subsoil.reports import Kind, Refused, Report, Sampled, Source
 from subsoil.survey.admission import admitted, check_name
 from subsoil.survey.decide import settled
@@ -89,7 +89,7 @@ class LocalDispatch:
         recorder: Recorder,
         observe: Observer = lambda *_: None,
         *,
-        allowed: frozenset[str] = NOBODY,
+        allowed: Allowed = NOBODY,
         patience: timedelta | None = None,
         now: Callable[[], datetime] = utc_now,
     ) -> None:

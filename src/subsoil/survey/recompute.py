@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from subsoil.errors import NotAllowedError, SubsoilError
-from subsoil.registry import NOBODY
+from subsoil.registry import NOBODY, Allowed
 from subsoil.strategies import designs_for
 from subsoil.survey.decide import decision, view
 from subsoil.survey.events import (
@@ -54,7 +54,7 @@ Progress = Callable[[int], None]
 
 def recomputed(
     events: Iterable[tuple[int, Event]],
-    allowed: frozenset[str] = NOBODY,
+    allowed: Allowed = NOBODY,
     progress: Progress = lambda _: None,
 ) -> Verdict:
     """Decide everything again that was decided in a survey, and compare.
@@ -97,7 +97,7 @@ def _check(
     survey: Survey,
     seq: int,
     event: Fitted | Planned | Finished | Assigned,
-    allowed: frozenset[str],
+    allowed: Allowed,
     left_out: dict[str, int],
 ) -> Verdict:
     """Whether a decision follows from the state before it."""

@@ -13,7 +13,7 @@ from subsoil.layers import Layers, Sample
 from subsoil.mapping.drift_choice import residuals
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import Cone, faults, profile_of
-from subsoil.registry import NOBODY
+from subsoil.registry import NOBODY, Allowed
 from subsoil.reports import Kind, Place, Refused, Sampled
 from subsoil.stopping import Spent, Standing
 from subsoil.strategies.view import Plan
@@ -321,7 +321,7 @@ class Survey:
         return tuple(lease for lease in self.leases if lease.id == assignment)
 
 
-def estimator_of(survey: Survey, allowed: frozenset[str] = NOBODY) -> Estimator:
+def estimator_of(survey: Survey, allowed: Allowed = NOBODY) -> Estimator:
     """What estimates the survey's variograms, by a registered name or of an allowed module."""
     settings = survey.settings
     return estimator_named(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.errors import ParameterError, brief
-from subsoil.registry import NOBODY, Registry
+from subsoil.registry import NOBODY, Allowed, Registry
 from subsoil.variogram.empirical import (
     EmpiricalVariogram,
     Formula,
@@ -199,7 +199,7 @@ def estimator_named(
     name: str,
     extent_m: float = EXTENT_M,
     settings: Mapping[str, float] = NO_SETTINGS,
-    allowed: frozenset[str] = NOBODY,
+    allowed: Allowed = NOBODY,
 ) -> Estimator:
     """Estimator of a name, for a field of some size, with some parameters set.
 
@@ -228,7 +228,9 @@ def estimator_named(
     (90.0, 45.0)
     """
     found = _REGISTRY.named(name, allowed)
-    estimator = found.scaled_to(extent_m) if isinstance(found, Pooled) else found
+    estimator = found
+    if isinstance(found, Pooled) and name not in allowed.given:
+        estimator = found.scaled_to(extent_m)
     if not settings:
         return estimator
     if not is_dataclass(estimator) or isinstance(estimator, type):

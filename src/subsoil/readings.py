@@ -1,0 +1,169 @@
+"""Readings to be mapped: how hard the soil is by depth, place by place, and what was left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from subsoil.errors import ReadingsError
+from subsoil.land.field import Field
+from subsoil.layers import Layers, Sample
+from subsoil.penetrometer import Profile
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about one row that its owner should know.
+
+    Attributes
+    ----------
+    row
+        Row of a table, its header being row 1, or record of another file, the first being 1.
+    message
+        What is wrong with it, in one line.
+    """
+
+    row: int
+    message: str
+
+    def __str__(self) -> str:
+        return f"row {self.row}: {self.message}"
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Usable readings, and what was left out on the way.
+
+    Attributes
+    ----------
+    at
+        (n, 2) easting and northing in m.
+    profiles
+        Soil strength by depth of each reading.
+    extent_m
+        Diagonal in m of the field that they are of, or of the box around them: what ranges of
+        variograms are taken in proportion to.
+    rows
+        (n,) row or record number of each reading in its file, or its number from 1 on.
+    refused
+        What was left out and why, by row.
+    crs
+        Frame of ``at``; empty for a local frame.
+    source
+        Where they come from.
+    notes
+        What their owner should know of them as a whole, a sentence each.
+    simulated
+        Whether they are of a soil that was drawn.
+    """
+
+    at: Floats
+    profiles: tuple[Profile, ...]
+    extent_m: float
+    rows: Integers
+    refused: tuple[Finding, ...] = ()
+    crs: str = ""
+    source: str = ""
+    notes: tuple[str, ...] = ()
+    simulated: bool = False
+
+    def __post_init__(self) -> None:
+        for array in (self.at, self.rows):
+            array.setflags(write=False)
+
+    @classmethod
+    def of(
+        cls, at: ArrayLike, depth_m: ArrayLike, kpa: ArrayLike, *, field: Field | None = None
+    ) -> Readings:
+        """Readings from arrays.
+
+        Parameters
+        ----------
+        at
+            (n, 2) easting and northing in m, in the frame of the field if there is one.
+        depth_m
+            (d,) increasing depths in m, positive down.
+        kpa
+            (n, d) cone index in kPa; NaN below the last depth that a push reached.
+        field
+            The field that they are of.
+
+        Raises
+        ------
+        ReadingsError
+            If shapes do not fit, a place is not finite, or a push has a hole or nothing in it.
+
+        Examples
+        --------
+        >>> readings = Readings.of([(5, 5), (15, 5)], [0.1, 0.2], [[800, 900], [750, np.nan]])
+        >>> readings.layer_means(Layers((0.0, 0.1, 0.2)))
+        array([[800., 750.],
+               [900.,  nan]])
+        """
+        places = np.array(at, dtype=float)
+        depth, values = np.array(depth_m, dtype=float), np.array(kpa, dtype=float)
+        if values.ndim != 2 or places.shape != (len(values), 2) or depth.shape != values.shape[1:]:
+            raise ReadingsError(
+                f"places {places.shape}, depths {depth.shape} and pressures {values.shape} do not "
+                "fit together",
+                where="readings",
+                remedy="give (n, 2) places, (d,) depths and (n, d) pressures",
+            )
+        for row, (place, push) in enumerate(zip(places, values, strict=True), start=1):
+            if not np.isfinite(place).all():
+                raise ReadingsError(
+                    f"its place ({place[0]:g}, {place[1]:g}) is not finite",
+                    where=f"readings, row {row}",
+                    remedy="leave out readings without a place",
+                )
+            _check_push(row, depth, push)
+        return cls(
+            places,
+            tuple(Profile(depth[: np.isfinite(p).sum()], p[np.isfinite(p)]) for p in values),
+            extent_of(places) if field is None else field.extent_m,
+            np.arange(1, len(values) + 1),
+            crs="" if field is None else field.crs,
+        )
+
+    def __len__(self) -> int:
+        return len(self.profiles)
+
+    def __repr__(self) -> str:
+        left_out = f", {len(self.refused)} left out" if self.refused else ""
+        deepest = max((p.depth_m[-1] for p in self.profiles if len(p.depth_m)), default=0.0)
+        origin = f" of {self.source}" if self.source else ""
+        return f"<{len(self)} readings{origin}, down to {deepest:.2f} m{left_out}>"
+
+    def samples(self, layers: Layers) -> tuple[Sample, ...]:
+        """Layer values of every reading."""
+        pairs = zip(self.profiles, self.at, strict=True)
+        return tuple(layers.sample(profile, place) for profile, place in pairs)
+
+    def layer_means(self, layers: Layers) -> Floats:
+        """(m, n) means in kPa of every layer at every reading, NaN where not measured through."""
+        rows = [sample.measured_kpa for sample in self.samples(layers)]
+        return np.array(rows, dtype=float).reshape(-1, len(layers)).T
+
+
+def extent_of(at: Floats) -> float:
+    """Diagonal in m of the box around (n, 2) places, one metre at least."""
+    return max(float(np.hypot(*np.ptp(at, axis=0))), 1.0) if len(at) else 1.0
+
+
+def _check_push(row: int, depth: Floats, push: Floats) -> None:
+    known = np.isfinite(push)
+    where = f"readings, row {row}"
+    if not known.any():
+        raise ReadingsError("no depth was reached", where=where, remedy="leave the reading out")
+    if not known[: known.sum()].all():
+        hole = depth[int(np.argmin(known))]
+        raise ReadingsError(
+            f"nothing was read at {hole:g} m, yet below it",
+            where=where,
+            remedy="leave the reading out, or fill the hole with what you know",
+        )
