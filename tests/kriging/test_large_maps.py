@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ from numpy.typing import NDArray
 
 from subsoil.kriging import Estimate, condition, over
 from subsoil.kriging.drift import Covariate, Drifted
+from subsoil.kriging.memory import needed_gib
 from subsoil.variogram import Exponential, Matern32, Nested, Spherical, Structure
 
 Floats = NDArray[np.float64]
@@ -26,6 +30,19 @@ POOLED = Nested(4e4, (Structure(0.6, Exponential, 150.0), Structure(0.3, Matern3
 EACH = (Exponential(0.0, 120.0, 9e3), Spherical(2e3, 160.0, 3e4), Matern32(5e3, 95.0, 1e4))
 
 every_model = pytest.mark.parametrize("model", [POOLED, EACH], ids=["one model", "one a layer"])
+
+PEAK = """
+import atexit, pathlib, re, sys
+from subsoil.__main__ import main
+
+def say():
+    status = pathlib.Path("/proc/self/status").read_text()
+    print(re.search(r"VmHWM:\\s+(\\d+)", status)[1], file=sys.stderr)
+
+atexit.register(say)
+main()
+"""
+"""Does what the command line says, and then says the most KiB of memory that it took."""
 
 
 def large_and_part(model: Nested | tuple[Exponential, Spherical, Matern32]) -> list[Estimate]:
@@ -92,3 +109,32 @@ def test_a_map_does_not_take_memory_for_readings_times_cells() -> None:
     tracemalloc.stop()
     assert mean.shape == (1, 200_000)
     assert peak < 0.6 * 8 * 200 * 200_000
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="the peak is read from /proc")
+@pytest.mark.parametrize("reached", [True, False], ids=["all reached", "some ended above"])
+@pytest.mark.parametrize(("readings", "side"), [(300, 1250.0), (2500, 500.0)])
+def test_memory_is_foreseen_within_a_tenth_below_and_twice_above(
+    tmp_path: Path, readings: int, side: float, reached: bool
+) -> None:
+    at = rng.uniform(1, side - 1, (readings, 2))
+    kpa = rng.normal(1000, 200, (8, readings))
+    if not reached:
+        kpa[np.arange(8)[:, None] > rng.integers(3, 30, readings)] = np.nan
+    rows = np.column_stack([at, kpa.T]).round(1).astype(str)
+    head = ",".join(["easting", "northing", *(f"kpa_{5 * k}cm" for k in range(1, 9))])
+    lines = [head, *(",".join(row).replace("nan", "") for row in rows)]
+    (tmp_path / "readings.csv").write_text("\n".join(lines))
+    square = f"easting,northing\n0,0\n{side},0\n{side},{side}\n0,{side}\n"
+    (tmp_path / "field.csv").write_text(square)
+    layers = ",".join(f"{k / 20}" for k in range(9))
+    done = subprocess.run(
+        [sys.executable, "-c", PEAK, "map", "readings.csv", "--boundary", "field.csv",
+         "--out", "map", "--layers", layers],
+        cwd=tmp_path, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    systems = np.unique(np.isfinite(kpa), axis=0).sum(axis=1).tolist()
+    cells = round(side / 5) ** 2
+    needed = needed_gib(readings, systems=systems, cells=cells, layers=8)
+    assert 0.9 < needed / (int(done.stderr) / 2**20) < 2.0

@@ -31,7 +31,7 @@ from subsoil.kriging.memory import check_memory
 from subsoil.plots import readings_figures
 from subsoil.report.skill import layer_scores, no_better_than_mean
 from subsoil.soilmap import SoilMap
-from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
+from subsoil.variogram import Estimator, Fit, LeastSquares, Pooled, estimator_named, name_of
 
 ReadingsFile = Annotated[
     Path, typer.Argument(help="Readings (robot YAML or CSV) or a survey file.", metavar="READINGS")
@@ -68,9 +68,14 @@ def make_map(
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     field = read_field(boundary, crs=crs, cell_size=cell)
     material = material_of(readings, layers, field, crs, cone_area, units)
-    check_memory(len(material.samples), len(field.cells))
-    known = covariate_of(covariate, column, field, crs)
     chosen = estimator_named(estimator, field.extent_m, numbers(setting))
+    check_memory(
+        len(material.samples),
+        systems=material.systems(alike=isinstance(chosen, Pooled) and covariate is None),
+        cells=len(field.cells),
+        layers=len(material.layers),
+    )
+    known = covariate_of(covariate, column, field, crs)
     learnt = learn(material.at, material.kpa, known, chosen, rule_named(drift))
     fits = learnt.fits
     soil_map = SoilMap(
@@ -112,9 +117,10 @@ def variogram(
     """Show empirical variograms with pair counts, and what was fitted to them."""
     field = read_field(boundary, crs=crs) if boundary else None
     material = material_of(readings, layers, field, crs, cone_area, units)
-    check_memory(len(material.samples))
     extent = field.extent_m if field else extent_of(material.at)
     chosen = estimator_named(estimator, extent, numbers(setting))
+    if not isinstance(chosen, LeastSquares):
+        check_memory(len(material.samples))
     fits = chosen(material.at, material.kpa)
     posterior = _posterior(chosen, material)
     if as_json:

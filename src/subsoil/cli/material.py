@@ -51,6 +51,12 @@ class Material:
         """(m, n) measured kPa, NaN where not measured."""
         return np.array([sample.measured_kpa for sample in self.samples]).T
 
+    def systems(self, alike: bool) -> list[int]:
+        """Readings in each kriging system of a map: of each layer, or, alike, each set of them."""
+        reached = np.isfinite(self.kpa)
+        systems = np.unique(reached, axis=0) if alike else reached
+        return [int(readings) for readings in systems.sum(axis=1)]
+
 
 def material_of(
     path: Path,
