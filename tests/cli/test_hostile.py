@@ -142,8 +142,10 @@ def test_ctrl_c_while_it_is_loading_is_one_line(tmp_path: Path) -> None:
 
 
 def test_too_many_readings_for_the_memory_are_said_before_the_work_starts() -> None:
-    check_memory(1000, 10_000)
+    check_memory(1000, systems=[1000] * 8, cells=10_000, layers=8)
     many = 1_000_000
     assert needed_gib(many) > available_gib()
-    with pytest.raises(ReadingsError, match=r"1000000 readings take about \d+ GiB of memory"):
+    with pytest.raises(ReadingsError, match=r"1000000 readings take about [\d.]+ GiB of memory"):
         check_memory(many)
+    with pytest.raises(ReadingsError, match=r"mapped on 10000 cells take.*use larger cells"):
+        check_memory(1000, systems=[many], cells=10_000, layers=1)

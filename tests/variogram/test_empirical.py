@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.distance import pdist
 
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.variogram import EmpiricalVariogram, Formula, empirical, empirical_layers
@@ -88,6 +89,26 @@ def test_repeats_at_one_place_are_pairs_at_distance_zero_in_the_first_bin() -> N
     curve = empirical(at, [1.0, 3.0, 2.0], bin_width=10.0, cutoff=50.0)
     np.testing.assert_array_equal(curve.lag, [0.0, 40.0])
     np.testing.assert_array_equal(curve.semivariance, [2.0, 0.5])
+
+
+@pytest.mark.parametrize("formula", ["matheron", "cressie-hawkins"])
+def test_many_samples_are_worked_on_some_at_a_time_and_give_the_same_bins(formula: Formula) -> None:
+    at, z = readings(8, 2600)
+    z[0, ::7] = nan
+    (found,) = empirical_layers(at, z, bin_width=WIDTH, cutoff=CUTOFF, estimator=formula)
+    known = np.isfinite(z[0])
+    distance = pdist(at[known])
+    difference = pdist(z[0, known, None])
+    near = distance < CUTOFF
+    in_bin = (distance[near] / WIDTH).astype(int)
+    power = difference[near] ** (2.0 if formula == "matheron" else 0.5)
+    number = np.bincount(in_bin)
+    mean = np.bincount(in_bin, power) / number
+    if formula == "cressie-hawkins":
+        mean = mean**4 / (0.457 + 0.494 / number + 0.045 / number**2)
+    np.testing.assert_array_equal(found.pairs, number)
+    np.testing.assert_allclose(found.lag, np.bincount(in_bin, distance[near]) / number, rtol=1e-12)
+    np.testing.assert_allclose(found.semivariance, mean / 2, rtol=1e-11)
 
 
 def test_default_cutoff_is_a_third_of_the_diagonal_in_twelve_bins() -> None:

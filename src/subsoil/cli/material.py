@@ -13,7 +13,6 @@ from subsoil.cli.options import layers_of
 from subsoil.errors import ParameterError
 from subsoil.io.readings import read_readings
 from subsoil.journal import read_events
-from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import Cone
@@ -42,6 +41,12 @@ class Material:
         """(m, n) layer means in kPa, NaN where not measured."""
         return self.readings.layer_means(self.layers)
 
+    def systems(self, alike: bool) -> list[int]:
+        """Readings in each kriging system of a map: of each layer, or, alike, each set of them."""
+        reached = np.isfinite(self.kpa)
+        systems = np.unique(reached, axis=0) if alike else reached
+        return [int(readings) for readings in systems.sum(axis=1)]
+
 
 def material_of(
     path: Path,
@@ -57,8 +62,6 @@ def material_of(
     ------
     ParameterError
         If there are fewer than three.
-    ReadingsError
-        If there are too many for the memory of this machine.
     """
     if path.suffix.lower() == ".gpkg":
         survey = fold(read_events(path))
@@ -76,5 +79,4 @@ def material_of(
             where=str(path),
             remedy="take three or more",
         )
-    check_memory(number)
     return material

@@ -24,11 +24,12 @@ from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.kriging import LeaveOneOut, block_out
+from subsoil.kriging.memory import check_memory
 from subsoil.mapping.fit import Fits, fit, in_words
 from subsoil.mapping.krige import krige
 from subsoil.mapping.skill import layer_scores, no_better_than_mean
 from subsoil.plots import readings_figures
-from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
+from subsoil.variogram import Estimator, Fit, LeastSquares, Pooled, estimator_named, name_of
 
 ReadingsFile = Annotated[
     Path, typer.Argument(help="Readings (robot YAML or CSV) or a survey file.", metavar="READINGS")
@@ -65,8 +66,14 @@ def make_map(
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     field = read_field(boundary, crs=crs, cell_size=cell)
     material = material_of(readings, layers, field, crs, cone_area, units)
-    known = covariate_of(covariate, column, field, crs)
     chosen = estimator_named(estimator, field.extent_m, numbers(setting))
+    check_memory(
+        len(material.readings),
+        systems=material.systems(alike=isinstance(chosen, Pooled) and covariate is None),
+        cells=len(field.cells),
+        layers=len(material.layers),
+    )
+    known = covariate_of(covariate, column, field, crs)
     found = material.readings
     fits = fit(found, material.layers, chosen, covariate=known, drift=rule_named(drift))
     soil_map = krige(field, found, fits)
@@ -106,6 +113,8 @@ def variogram(
     field = read_field(boundary, crs=crs) if boundary else None
     material = material_of(readings, layers, field, crs, cone_area, units)
     chosen = estimator_named(estimator, material.readings.extent_m, numbers(setting))
+    if not isinstance(chosen, LeastSquares):
+        check_memory(len(material.readings))
     fits = fit(material.readings, material.layers, chosen)
     posterior = _posterior(chosen, material)
     if as_json:
@@ -140,6 +149,7 @@ def cv(
     field = read_field(boundary, crs=crs) if boundary else None
     material = material_of(readings, layers, field, crs, cone_area, units)
     found = material.readings
+    check_memory(len(found), systems=material.systems(alike=False), layers=len(material.layers))
     chosen = estimator_named(estimator, found.extent_m, numbers(setting))
     fits = fit(found, material.layers, chosen)
     scores = _scores(material, fits)

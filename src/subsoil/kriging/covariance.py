@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -14,6 +14,9 @@ from subsoil.variogram.models import Bounded, Variogram
 from subsoil.variogram.nested import Nested
 
 Floats = NDArray[np.float64]
+
+AT_A_TIME = 1 << 22
+"""Covariances held at a time beyond what is kept of them."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +80,10 @@ class Covariance:
             c: Floats = first.correlation(lag * self._inverse_range.reshape(one_each))
             c *= self.psill.reshape(one_each)
             return c
-        pairs = zip(self.psill, self.variograms, strict=True)
-        return np.stack([psill - v.rise(lag) for psill, v in pairs])
+        c = np.empty((len(self.variograms), *lag.shape))
+        for each, psill, v in zip(c, self.psill, self.variograms, strict=True):
+            np.subtract(psill, v.rise(lag), out=each)
+        return c
 
     def shape(self, extent: float) -> Shape:
         """Return the covariance of the only variogram, without the jump, in units of its own.
@@ -132,6 +137,12 @@ class Shape:
     def end(self) -> float:
         """Distance from which on the covariance is zero."""
         return max(self.breaks, default=inf)
+
+
+def strips(rows: int, columns: int) -> Iterator[slice]:
+    """Rows of a matrix of covariances, as many as are worked out at a time; one strip at least."""
+    step = max(1, AT_A_TIME // max(1, columns))
+    return (slice(k, min(k + step, rows)) for k in range(0, max(1, rows), step))
 
 
 def lags(a: Floats, b: Floats) -> Floats:

@@ -7,14 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.kriging.covariance import lags
+from subsoil.kriging.covariance import lags, strips
 from subsoil.kriging.readings import Readings
 from subsoil.kriging.system import System
 
 Floats = NDArray[np.float64]
-
-_ELEMENTS = 1 << 22
-"""Covariances held at a time: bounds the memory of a prediction."""
 
 
 @dataclass(frozen=True)
@@ -25,23 +22,79 @@ class Solution:
     ----------
     base
         (g, N) b at the targets.
-    v
-        (g, n-1, N) W G, one row a reading but the first.
     mean, variance
         (m, N) and (g, N).
     pins
         (k, 2) pairs of target and reading at one place.
+    v
+        (g, n-1, N) W G, one row a reading but the first; None where there are too many to keep.
     """
 
     base: Floats
-    v: Floats
     mean: Floats
     variance: Floats
     pins: NDArray[np.intp]
+    v: Floats | None
 
 
 def solved(system: System, targets: Floats) -> Solution:
-    """Krige at (N, 2) targets, keeping what appending readings needs."""
+    """Krige at (N, 2) targets, a block at a time; what fits in one block is kept."""
+    blocks = _blocks(system, targets)
+    if len(blocks) == 1:
+        return _solved(system, targets)
+    (groups, _), layers = system.base.shape, len(system.readings.z)
+    base, variance = np.empty((2, groups, len(targets)))
+    mean, pins = np.empty((layers, len(targets))), []
+    for part in blocks:
+        one = _solved(system, targets[part])
+        base[:, part], mean[:, part], variance[:, part] = one.base, one.mean, one.variance
+        pins.append(one.pins + np.array([part.start, 0]))
+    return Solution(base, mean, variance, np.concatenate(pins), None)
+
+
+def predicted(system: System, targets: Floats) -> tuple[Floats, Floats]:
+    """Mean (m, N) and variance (g, N) at (N, 2) targets."""
+    solution = solved(system, targets)
+    return solution.mean, solution.variance
+
+
+def whitened(system: System, targets: Floats) -> Floats:
+    """(g, n-1, N) v at (N, 2) targets, which is all that is held."""
+    groups, n = system.base.shape
+    v = np.empty((groups, n - 1, len(targets)))
+    for part in _blocks(system, targets):
+        v[:, :, part] = system.whitened(_seen(system, targets[part])[2])
+    return v
+
+
+def combined(system: System, y: Floats, targets: Floats) -> Floats:
+    """(g, N) products y . v of (g, n-1) rows with v at (N, 2) targets, without v."""
+    weights = np.matmul(y[:, None], system.factor)
+    product = np.empty((len(y), len(targets)))
+    for part in _blocks(system, targets):
+        product[:, part] = np.matmul(weights, _seen(system, targets[part])[2])[:, 0]
+    return product
+
+
+def _blocks(system: System, targets: Floats) -> list[slice]:
+    """Targets kriged at a time."""
+    return list(strips(len(targets), system.base.size))
+
+
+def _solved(system: System, targets: Floats) -> Solution:
+    readings = system.readings
+    lag, base, seen = _seen(system, targets)
+    v = system.whitened(seen)
+    mean = readings.z[:, :1] + _combined(system.y, v)
+    variance = 2.0 * base - readings.noise[:, :1] - np.einsum("gnt,gnt->gt", v, v)
+    reading, target = np.nonzero(lag == 0.0)
+    pins = np.column_stack([target, reading])
+    pin(readings, pins, mean, variance)
+    return Solution(base, mean, variance, pins, v)
+
+
+def _seen(system: System, targets: Floats) -> tuple[Floats, Floats, Floats]:
+    """Lags (n, N) of targets to the readings, b (g, N) and G (g, n-1, N) of them."""
     readings = system.readings
     lag = lags(readings.at, targets)
     k = system.covariance(lag)
@@ -50,26 +103,7 @@ def solved(system: System, targets: Floats) -> Solution:
     column = k[:, 1:]
     column += base[:, None]
     column += (system.base - system.covariance.origin[:, None] - e1)[:, 1:, None]
-    v = system.whitened(column)
-    mean = readings.z[:, :1] + _combined(system.y, v)
-    variance = 2.0 * base - e1 - np.einsum("gnt,gnt->gt", v, v)
-    reading, target = np.nonzero(lag == 0.0)
-    pins = np.column_stack([target, reading])
-    pin(readings, pins, mean, variance)
-    return Solution(base, v, mean, variance, pins)
-
-
-def predicted(system: System, targets: Floats) -> tuple[Floats, Floats]:
-    """Mean (m, N) and variance (g, N) at (N, 2) targets, a block at a time."""
-    groups, n = system.base.shape
-    block = max(1, _ELEMENTS // (groups * n))
-    mean = np.empty((len(system.readings.z), len(targets)))
-    variance = np.empty((groups, len(targets)))
-    for start in range(0, len(targets), block):
-        part = slice(start, start + block)
-        solution = solved(system, targets[part])
-        mean[:, part], variance[:, part] = solution.mean, solution.variance
-    return mean, variance
+    return lag, base, column
 
 
 def pin(readings: Readings, pins: NDArray[np.intp], mean: Floats, variance: Floats) -> None:

@@ -171,7 +171,7 @@ class Drifted:
     def residual(self) -> Floats:
         """(g, N) covariate at the targets minus what kriging makes of it from the readings'."""
         x1 = self.covariate(self.at[:1])
-        kriged = np.einsum("gn,gnt->gt", self.regression.y, self.estimate.v.array)
+        kriged = self.estimate.combined(self.regression.y)
         return np.asarray(self.covariate(self.targets) - x1 - kriged)
 
     @cached_property

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.kriging.covariance import lags
-from subsoil.kriging.direct import pin, solved
+from subsoil.kriging.direct import combined, pin, solved, whitened
 from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
@@ -24,7 +24,9 @@ Floats = NDArray[np.float64]
 class Estimate:
     """Ordinary kriging at (N, 2) targets, with what it takes to update it.
 
-    Made by :func:`over`. Appending a reading costs O(n^2 + n N) and equals starting again.
+    Made by :func:`over`. Appending a reading costs O(n^2 + n N) and equals starting again. A large
+    map takes no more memory than its answers and a block of the work on them, until readings are
+    appended or looked ahead at: that takes all of v.
 
     Attributes
     ----------
@@ -34,21 +36,21 @@ class Estimate:
         (N, 2) places in m.
     base
         (g, N) b of :mod:`subsoil.kriging.system` at the targets.
-    v
-        (g, n-1, N) one row a reading but the first.
     mean, variance
         (m, N) and (g, N).
     pins
         (k, 2) pairs of target and reading at one place.
+    kept
+        :attr:`v`, where it was kept.
     """
 
     kriging: OrdinaryKriging
     targets: Floats
     base: Floats
-    v: Rows
     mean: Floats
     variance: Floats
     pins: NDArray[np.intp]
+    kept: Rows | None
 
     @property
     def at(self) -> Floats:
@@ -59,6 +61,11 @@ class Estimate:
     def variograms(self) -> tuple[Variogram, ...]:
         """The g models kriged with."""
         return self.kriging.variograms
+
+    @cached_property
+    def v(self) -> Rows:
+        """(g, n-1, N) one row a reading but the first."""
+        return self.kept or Rows(whitened(self.kriging.system, self.targets))
 
     @cached_property
     def prediction(self) -> Prediction:
@@ -95,7 +102,7 @@ class Estimate:
         if here.size:
             pins = np.concatenate([pins, np.column_stack([here, np.full(here.size, n)])])
         pin(ok.system.readings, pins, mean, variance)
-        return _sound(Estimate(ok, self.targets, self.base, rows, mean, variance, pins))
+        return _sound(Estimate(ok, self.targets, self.base, mean, variance, pins, rows))
 
     def variance_drop(self, candidates: ArrayLike) -> Floats:
         """By how much the variance falls everywhere if one of these targets were probed next.
@@ -116,6 +123,12 @@ class Estimate:
         noise = self.kriging.system.covariance.noise
         return self.kriging.shaped(fall(self.error_covariance(index), index, noise))
 
+    def combined(self, y: Floats) -> Floats:
+        """(g, N) products of (g, n-1) rows with v."""
+        if self.kept is None:
+            return combined(self.kriging.system, y, self.targets)
+        return np.asarray(np.einsum("gn,gnt->gt", y, self.kept.array))
+
     def leave_one_out(self) -> LeaveOneOut:
         """Each reading predicted from the others."""
         return leave_one_out(self.kriging)
@@ -128,13 +141,19 @@ class Estimate:
         With the terms of :mod:`subsoil.kriging.system`: ``c(s, t) + b(s) + b(t) - (c(0) + e1) -
         v(s) . v(t)``; where s is t it is the kriging variance.
         """
-        system, v = self.kriging.system, self.v.array
+        system = self.kriging.system
         shift = self.base[:, rows].T - (system.covariance.origin + system.readings.noise[:, 0])
         joint = system.covariance(lags(self.targets[rows], self.targets[columns]))
-        joint -= np.matmul(v[:, :, rows].transpose(0, 2, 1), v[:, :, columns])
+        joint -= np.matmul(self._v_at(rows).transpose(0, 2, 1), self._v_at(columns))
         joint += self.base[:, None, columns]
         joint += shift.T[:, :, None]
         return joint
+
+    def _v_at(self, which: NDArray[np.intp] | slice) -> Floats:
+        """(g, n-1, k) v at some of the targets; all of it stays once many were asked for."""
+        if isinstance(which, slice) or self.kept is not None or "v" in vars(self):
+            return self.v.array[:, :, which]
+        return whitened(self.kriging.system, self.targets[which])
 
 
 def fall(joint: Floats, index: NDArray[np.intp], noise: Floats) -> Floats:
@@ -173,7 +192,8 @@ def over(ok: OrdinaryKriging, targets: ArrayLike) -> Estimate:
     """
     places = checked_targets(targets)
     s = solved(ok.system, places)
-    return _sound(Estimate(ok, places, s.base, Rows(s.v), s.mean, s.variance, s.pins))
+    kept = None if s.v is None else Rows(s.v)
+    return _sound(Estimate(ok, places, s.base, s.mean, s.variance, s.pins, kept))
 
 
 def _sound(estimate: Estimate) -> Estimate:

@@ -26,7 +26,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.kriging.covariance import Covariance, lags
+from subsoil.kriging.covariance import Covariance, lags, strips
 from subsoil.kriging.readings import Readings
 from subsoil.kriging.rows import Rows
 
@@ -184,35 +184,38 @@ def factorised(readings: Readings, covariance: Covariance) -> tuple[System, NDAr
         The system, and which of the (g,) models are not positive definite for these readings;
         the system is NaN in those.
     """
-    n, e1 = len(readings), readings.noise[:, :1]
-    k = covariance(lags(readings.at, readings.at))
+    at, n, e1 = readings.at, len(readings), readings.noise[:, :1]
     top = covariance.origin[:, None] + e1
-    base = top - k[:, 0]
-    g = k[:, 1:, 1:]
-    g += (base - top)[:, 1:, None]
-    g += base[:, None, 1:]
+    base = top - covariance(lags(at[:1], at))[:, 0]
+    inverse = np.empty((len(base), n - 1, n - 1))
+    for strip in strips(n - 1, base.size):
+        g = covariance(lags(at[1:][strip], at[1:]))
+        g += (base - top)[:, 1:, None][:, strip]
+        g += base[:, None, 1:]
+        inverse[:, strip] = g
     diagonal = np.arange(n - 1)
-    g[:, diagonal, diagonal] += readings.noise[:, 1:]
-    inverse = np.stack([_inverse_factor(matrix) for matrix in g])
+    inverse[:, diagonal, diagonal] += readings.noise[:, 1:]
+    for matrix in inverse:
+        _invert_factor(matrix)
     y = np.matmul(inverse, (readings.z[:, 1:] - readings.z[:, :1])[:, :, None])[:, :, 0]
     failed = np.asarray(np.isnan(inverse).any(axis=(1, 2)))
     return System(readings, covariance, base, Rows(inverse), y), failed
 
 
-def _inverse_factor(matrix: Floats) -> Floats:
-    """Invert the Cholesky factor of a matrix; NaN where there is none."""
+def _invert_factor(matrix: Floats) -> None:
+    """Put the inverse of its Cholesky factor in the place of a matrix; NaN where there is none."""
     from scipy.linalg.lapack import dpotrf, dtrtri  # costs half of `import subsoil`
 
     n = len(matrix)
     if not n:
-        return matrix
+        return
     variance = np.diag(matrix).copy()
     # Upper by columns is lower by rows: transposed, nothing has to be copied.
     factor, info = dpotrf(matrix.T, lower=0, clean=1, overwrite_a=1)
     if info or np.any(np.diag(factor) ** 2 <= _least_pivot(n) * variance):
-        return np.full((n, n), np.nan)
-    inverse: Floats = dtrtri(factor, lower=0, overwrite_c=1)[0].T
-    return inverse
+        matrix[:] = np.nan
+    else:
+        matrix[:] = dtrtri(factor, lower=0, overwrite_c=1)[0].T
 
 
 def _least_pivot(n: int) -> float:

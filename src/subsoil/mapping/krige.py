@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from subsoil.errors import ReadingsError
 from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
@@ -39,7 +41,13 @@ def krige(field: Field, readings: Readings, fits: Fits) -> SoilMap:
             where=readings.source or "readings",
             remedy="read them with field=",
         )
-    check_memory(len(readings), len(field.cells))
+    reached = np.isfinite(readings.layer_means(fits.layers)).sum(axis=1)
+    check_memory(
+        len(readings),
+        systems=[int(reached.max(initial=0))],
+        cells=len(field.cells),
+        layers=len(fits.layers),
+    )
     return SoilMap(
         field,
         fits.layers,

@@ -13,6 +13,7 @@ all pairs; a twelfth of it as the bin width leaves the 30 pairs a bin that Journ
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -29,6 +30,8 @@ CUTOFF_SHARE = 1 / 3
 """Default cut-off as a share of the diagonal of the samples' bounding box."""
 BINS = 12
 """Bins up to the cut-off where no bin width is given."""
+_PAIRS = 1 << 21
+"""Pairs, near and far, that are worked on at a time."""
 
 
 @dataclass(frozen=True)
@@ -166,8 +169,15 @@ def empirical_layers(
     """
     check_binning(bin_width, cutoff, estimator)
     places, values = _checked(at, z)
-    pairs = _pairs(places, bin_width, cutoff)
-    return tuple(_curve(pairs, layer, estimator) for layer in values)
+    if cutoff is None:
+        extent = np.ptp(places, axis=0) if len(places) else np.zeros(2)
+        cutoff = CUTOFF_SHARE * float(np.hypot(*extent))
+    width = cutoff / BINS if bin_width is None else bin_width
+    sums = [np.zeros((3, 0)) for _ in values]
+    for pairs in _pairs(places, width, cutoff):
+        further = (_sums(pairs, layer, estimator) for layer in values)
+        sums = [_more(*both) for both in zip(sums, further, strict=True)]
+    return tuple(_curve(each, estimator) for each in sums)
 
 
 def check_binning(bin_width: float | None, cutoff: float | None, estimator: str) -> None:
@@ -212,29 +222,47 @@ def _checked(at: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats]:
     return places, values
 
 
-def _pairs(at: Floats, bin_width: float | None, cutoff: float | None) -> _Pairs:
-    """Pairs of places nearer than the cut-off."""
-    one, other = np.triu_indices(len(at), 1)
-    distance = np.hypot(*(at[one] - at[other]).T)
-    if cutoff is None:
-        cutoff = CUTOFF_SHARE * float(np.hypot(*np.ptp(at, axis=0))) if len(at) else 0.0
-    near = distance < cutoff
-    distance = distance[near]
-    width = cutoff / BINS if bin_width is None else bin_width
-    return _Pairs(one[near], other[near], distance, (distance / width).astype(np.int64))
+def _pairs(at: Floats, width: float, cutoff: float) -> Iterator[_Pairs]:
+    """Pairs of places nearer than the cut-off, those of some places at a time."""
+    step = max(1, _PAIRS // max(1, len(at)))
+    for start in range(0, len(at), step):
+        rest = at[start:]
+        one, other = np.triu_indices(min(step, len(rest)), 1, len(rest))
+        distance = np.hypot(*(rest[one] - rest[other]).T)
+        near = distance < cutoff
+        distance = distance[near]
+        in_bin = (distance / width).astype(np.int64)
+        yield _Pairs(one[near] + start, other[near] + start, distance, in_bin)
 
 
-def _curve(pairs: _Pairs, z: Floats, estimator: Formula) -> EmpiricalVariogram:
-    """Bin means of one layer, (n,) values with NaN where it was not measured."""
+def _sums(pairs: _Pairs, z: Floats, estimator: Formula) -> Floats:
+    """(3, b) pairs in each bin of one layer, their distances and powers of their differences.
+
+    Of (n,) values with NaN where the layer was not measured.
+    """
     difference = np.abs(z[pairs.one] - z[pairs.other])
     known = ~np.isnan(difference)
-    difference, bin_of = difference[known], pairs.bin[known]
+    difference, in_bin = difference[known], pairs.bin[known]
     power = difference**2 if estimator == "matheron" else np.sqrt(difference)
-    number = np.bincount(bin_of)
-    filled = np.flatnonzero(number)
-    number = number[filled]
-    lag = np.bincount(bin_of, pairs.distance[known])[filled] / number
-    mean = np.bincount(bin_of, power)[filled] / number
+    number = np.bincount(in_bin).astype(float)
+    return np.stack(
+        [number, np.bincount(in_bin, pairs.distance[known]), np.bincount(in_bin, power)]
+    )
+
+
+def _more(sums: Floats, further: Floats) -> Floats:
+    """(3, b) sums by bin of two lots of pairs, either of which may reach further bins."""
+    short, long = sorted((sums, further), key=lambda each: each.shape[1])
+    total = long.copy()
+    total[:, : short.shape[1]] += short
+    return total
+
+
+def _curve(sums: Floats, estimator: Formula) -> EmpiricalVariogram:
+    """Bin means of one layer by its (3, b) sums."""
+    filled = np.flatnonzero(sums[0])
+    number, distance, power = sums[:, filled]
+    mean = power / number
     if estimator == "cressie-hawkins":
         mean = mean**4 / (0.457 + 0.494 / number + 0.045 / number**2)
-    return EmpiricalVariogram(lag, mean / 2, number, estimator)
+    return EmpiricalVariogram(distance / number, mean / 2, number.astype(np.int64), estimator)

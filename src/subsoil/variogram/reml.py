@@ -127,22 +127,20 @@ class Reml:
     def _maxima(self, at: Floats, z: Floats) -> list[_Maximum]:
         """Maxima of (m, n) values that are all known, one a layer."""
         parts = [(lags_of(at[block]), z[:, block]) for block in blocks(at)]
-        apart = lags_of(at)
-        bounds = float(apart[apart > 0].min()), float(apart.max())
-        ranges = np.geomspace(*bounds, _RANGES)
+        ranges = np.geomspace(*_reach(at), _RANGES)
         shares = np.tile(np.linspace(_LEAST_SHARE, _MOST_SHARE, _SHARES), (_RANGES, 1))
         grid = self._on(parts, np.repeat(ranges, _SHARES), shares.ravel())
         return [
             self._maximum(
                 [(lag, values[k : k + 1]) for lag, values in parts],
-                (apart, z[k : k + 1]),
+                (at, z[k : k + 1]),
                 ranges,
                 grid[:, k].reshape(_RANGES, _SHARES),
             )
             for k in range(len(z))
         ]
 
-    def _maximum(self, parts: list[Part], whole: Part, ranges: Floats, grid: Floats) -> _Maximum:
+    def _maximum(self, parts: list[Part], whole: Samples, ranges: Floats, grid: Floats) -> _Maximum:
         """Polish the peaks of the grid of one layer, and follow the profile of its range."""
         from scipy.optimize import minimize  # slow to import, and rarely needed
 
@@ -160,14 +158,15 @@ class Reml:
             key=lambda result: float(result.fun),
         )
         reach, share = float(np.clip(exp(done.x[0]), ranges[0], ranges[-1])), float(done.x[1])
-        correlation = _correlation(self.model, whole[0], np.array([reach]), np.array([share]))
-        squares = restricted(correlation, whole[1]).squares[0, 0]
+        at, z = whole
+        correlation = _correlation(self.model, lags_of(at), np.array([reach]), np.array([share]))
+        squares = restricted(correlation, z).squares[0, 0]
         profile = self._profile(parts, ranges, shares)
         return _Maximum(
-            samples=len(whole[0]),
+            samples=len(at),
             range=reach,
             share=share,
-            sill=float(squares) / (len(whole[0]) - 1),
+            sill=float(squares) / (len(at) - 1),
             log=-float(done.fun),
             interval=_interval(ranges, profile, reach, -float(done.fun)),
             bounds=(float(ranges[0]), float(ranges[-1])),
@@ -197,6 +196,8 @@ class Reml:
 
 Part = tuple[Floats, Floats]
 """Distances (n, n) in m between some readings, and their values (m, n)."""
+Samples = tuple[Floats, Floats]
+"""Places (n, 2) in m of readings, and their values (m, n)."""
 
 
 @dataclass(frozen=True)
@@ -235,6 +236,12 @@ class _Maximum:
         )
 
 
+def _reach(at: Floats) -> tuple[float, float]:
+    """Shortest distance in m of two of (n, 2) places that differ, and the longest."""
+    lag = lags_of(at)
+    return float(lag.min(where=lag > 0, initial=inf)), float(lag.max())
+
+
 def _peaks(profile: Floats) -> list[int]:
     """Where a profile is no lower than beside, the three highest of these."""
     padded = np.concatenate([[-inf], profile, [-inf]])
@@ -244,9 +251,10 @@ def _peaks(profile: Floats) -> list[int]:
 
 def _correlation(model: type[Bounded], lag: Floats, ranges: Floats, shares: Floats) -> Floats:
     """(k, n, n) correlations of readings, nugget included, at (n, n) lags."""
-    share = shares[:, None, None]
     rho = model.correlation(lag / ranges[:, None, None])
-    return np.asarray((1.0 - share) * rho + share * np.eye(len(lag)))
+    rho *= 1.0 - shares[:, None, None]
+    np.einsum("kii->ki", rho)[:] += shares[:, None]
+    return rho
 
 
 def _interval(ranges: Floats, profile: Floats, best: float, top: float) -> tuple[float, float]:
