@@ -30,10 +30,13 @@ from subsoil.bench.task import PROTOCOLS, entrants_of
 from subsoil.bench.truths import land_of
 from subsoil.cli.options import allowed_by
 from subsoil.cli.output import AsJson, Seed, folder, progress, tell
+from subsoil.cli.parsing import Verb, Verbs, some_of
 from subsoil.errors import ParameterError, SubsoilError, printable
 from subsoil.strategies import STRATEGIES
+from subsoil.variogram import ESTIMATORS
 
 app = typer.Typer(
+    cls=Verbs,
     help="Compare strategies on the same fields, and report beside the paper's numbers.",
     no_args_is_help=True,
 )
@@ -42,7 +45,7 @@ _CANNOT_GO_ON = 3
 """Exit code if a task has no result."""
 
 
-@app.command()
+@app.command(cls=Verb)
 def run(
     out: Annotated[Path, typer.Option(help="Folder of the benchmark; made if missing.")],
     protocol: Annotated[
@@ -51,7 +54,12 @@ def run(
     fields: Annotated[int, typer.Option(help="Number of fields.")] = 20,
     seed: Seed = 0,
     strategies: Annotated[
-        str, typer.Option(help="Strategies by name or module:attribute, comma-separated.")
+        str,
+        typer.Option(
+            metavar="NAMES",
+            help="Strategies by name or module:attribute, comma-separated.",
+            autocompletion=some_of(STRATEGIES),
+        ),
     ] = ",".join(STRATEGIES),
     samples: Annotated[
         str, typer.Option(help="Numbers of samples to compare at, comma-separated.")
@@ -59,8 +67,10 @@ def run(
     estimator: Annotated[
         str | None,
         typer.Option(
-            help="Estimators for all strategies, comma-separated. "
-            "Default: paper-10 for the paper's, pmc for others."
+            metavar="NAMES",
+            help=f"Estimators for all strategies, comma-separated, of {', '.join(ESTIMATORS)}.",
+            show_default="paper-10 for the paper's, pmc for others",
+            autocompletion=some_of(ESTIMATORS),
         ),
     ] = None,
     boundary: Annotated[
@@ -103,7 +113,7 @@ def run(
         raise typer.Exit(_CANNOT_GO_ON)
 
 
-@app.command()
+@app.command(cls=Verb)
 def report(
     benchmark: Annotated[Path, typer.Argument(help="Folder of a benchmark.", metavar="DIR")],
     as_json: AsJson = False,

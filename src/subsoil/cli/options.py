@@ -14,15 +14,16 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
+from subsoil.cli.parsing import STRATEGY, one_of
 from subsoil.errors import ParameterError, brief
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.drift_choice import DriftRule
 from subsoil.registry import NOBODY, imported, module_of
 from subsoil.stopping import Goal, Rates
-from subsoil.strategies import strategy_named
+from subsoil.strategies import STRATEGIES, strategy_named
 from subsoil.survey import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, checked
-from subsoil.variogram import estimator_named
+from subsoil.variogram import ESTIMATORS, estimator_named
 
 SurveyFile = Annotated[
     Path, typer.Argument(help="Survey file, a GeoPackage.", metavar="SURVEY.gpkg")
@@ -30,9 +31,25 @@ SurveyFile = Annotated[
 Boundary = Annotated[
     Path, typer.Option(help="Outline of the field: GeoJSON, .coords, GeoPackage, shapefile, KML.")
 ]
-StrategyName = Annotated[str, typer.Option(help="Strategy by name, or module:attribute.")]
+StrategyName = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help=f"Where to probe: {', '.join(STRATEGIES)}, or your own as module:attribute.",
+        autocompletion=one_of(STRATEGIES),
+        rich_help_panel=STRATEGY,
+    ),
+]
 Samples = Annotated[int, typer.Option(help="Readings to take.", min=1)]
-EstimatorName = Annotated[str, typer.Option(help="How variograms are estimated.")]
+EstimatorName = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help=f"How variograms are estimated: {', '.join(ESTIMATORS)}, or module:attribute.",
+        autocompletion=one_of(ESTIMATORS),
+        rich_help_panel=STRATEGY,
+    ),
+]
 EstimatorSettings = Annotated[
     list[str] | None,
     typer.Option(
