@@ -25,6 +25,7 @@ from subsoil.cli import (
     readings,
     survey,
 )
+from subsoil.cli.examples import epilog
 from subsoil.cli.parsing import Verb, Verbs
 from subsoil.errors import SubsoilError, printable
 
@@ -54,7 +55,7 @@ VERBS: dict[str, Callable[..., None]] = {
 """Verbs, as help lists them."""
 
 for _name, _verb in VERBS.items():
-    app.command(_name, cls=Verb)(_verb)
+    app.command(_name, cls=Verb, epilog=epilog(_name))(_verb)
 app.add_typer(bench.app, name="bench")
 
 

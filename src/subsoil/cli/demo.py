@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from subsoil.agent import drive
-from subsoil.cli import limits as enough
 from subsoil.cli.inspect import summary
+from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
-    DEFAULT_ESTIMATOR,
-    DEFAULT_STRATEGY,
     EstimatorName,
-    Samples,
+    MethodOptions,
+    Seed,
     StrategyName,
+    World,
     allowed_by,
     settings_of,
 )
-from subsoil.cli.output import AsJson, Seed, folder, progress, tell
+from subsoil.cli.output import AsJson, Out, folder, progress, tell
+from subsoil.cli.parsing import FIELD, OUTPUT, grouped
 from subsoil.errors import JournalError
 from subsoil.io.rasters import write_geotiffs
 from subsoil.journal import Journal, create, fingerprint, last_event
@@ -31,28 +32,43 @@ from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
 from subsoil.reports import Source
 from subsoil.simulation import Truth
-from subsoil.survey import LocalDispatch, Settings, Survey, fits_of, fold, opening
+from subsoil.survey import (
+    DEFAULT_ESTIMATOR,
+    DEFAULT_STRATEGY,
+    LocalDispatch,
+    Settings,
+    Survey,
+    fits_of,
+    fold,
+    opening,
+)
 from subsoil.survey.events import Configured, Event, Planned, Simulation
 from subsoil.worlds import SIMULATED, demo_field, robot_of, simulation_of, truth_of
 
-World = Literal["simulated", "riseholme"]
 _FILE = "survey.gpkg"
 
 
+@grouped
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder to write to; made if missing.")] = Path("demo"),
+    limits: LimitOptions,
+    out: Out = Path("demo"),
     field: Annotated[
-        World, typer.Option(help="A simulated field, or the surrogate of the paper's real one.")
+        World,
+        typer.Option(
+            help="A simulated field, or the surrogate of the paper's real one.",
+            rich_help_panel=FIELD,
+        ),
     ] = "simulated",
     strategy: StrategyName = DEFAULT_STRATEGY,
-    samples: Samples = 30,
-    seed: Seed = 0,
     estimator: EstimatorName = DEFAULT_ESTIMATOR,
-    minutes: enough.Minutes = math.inf,
-    target_rmse: enough.Target = None,
-    probability: enough.Probability = None,
+    seed: Seed = 0,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the survey of an earlier demonstration.")
+        bool,
+        typer.Option(
+            "--overwrite",
+            help="Replace the survey of an earlier demonstration.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -68,12 +84,8 @@ def demo(
         )
     land = _land(field)
     layers = Layers()
-    goals = enough.goals(target_rmse, probability, None, None, None, None)
-    settings = settings_of(
-        land, strategy, samples, seed,
-        estimator=estimator, minutes=minutes, goals=goals,
-        allowed=allowed_by(None, strategy, estimator),
-    )  # fmt: skip
+    method = MethodOptions(strategy=strategy, estimator=estimator, seed=seed)
+    settings = settings_of(land, method, limits)
     truth = truth_of(field, land, layers, seed)
     with create(path, opening(land, layers, SMALL_CONE)) as journal:
         survey, history = _survey(journal, settings, truth, simulation_of(truth, field, seed))

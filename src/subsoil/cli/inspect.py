@@ -9,19 +9,10 @@ from typing import Annotated
 
 import typer
 
-from subsoil.cli import limits as enough
-from subsoil.cli.options import (
-    DEFAULT_STRATEGY,
-    Allow,
-    Samples,
-    StrategyName,
-    StrategySettings,
-    SurveyFile,
-    allowed_by,
-    settings_of,
-    values,
-)
-from subsoil.cli.output import AsJson, Seed, folder, progress, tell, tell_table
+from subsoil.cli.limits import LimitOptions
+from subsoil.cli.options import Allow, MethodOptions, SurveyFile, allowed_by, settings_of
+from subsoil.cli.output import AsJson, folder, progress, tell, tell_table
+from subsoil.cli.parsing import OUTPUT, grouped
 from subsoil.errors import ParameterError, printable
 from subsoil.io.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
@@ -47,26 +38,17 @@ _DEGREES = {"longitude", "latitude"}
 _ROWS = {1, 2, 3, 5, 10, 15, 20, 30, 40}
 
 
+@grouped
 def plan(
     survey: SurveyFile,
-    strategy: StrategyName = DEFAULT_STRATEGY,
-    samples: Samples = 30,
-    seed: Seed = 0,
-    metres: enough.Metres = math.inf,
-    minutes: enough.Minutes = math.inf,
-    strategy_setting: StrategySettings = None,
-    allow: Allow = None,
+    method: MethodOptions,
+    limits: LimitOptions,
     as_json: AsJson = False,
 ) -> None:
     """Show where a survey would go next; changes nothing."""
-    state, allowed = fold(read_survey(survey).events), allowed_by(allow, strategy)
+    state, allowed = fold(read_survey(survey).events), method.allowed
     if not state.method:
-        settings = settings_of(
-            state.field, strategy, samples, seed,
-            metres=metres, minutes=minutes, strategy_settings=values(strategy_setting),
-            allowed=allowed,
-        )  # fmt: skip
-        state = apply(state, Configured(settings=settings))
+        state = apply(state, Configured(settings=settings_of(state.field, method, limits)))
     state, _ = settled(state, allowed)
     stops = _next(state)
     way = length(state.access, state.position, state.access.at[list(stops)])
@@ -88,7 +70,12 @@ def plan(
 def status(
     survey: SurveyFile,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for a picture of what more would buy.")
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Folder for a picture of what more would buy.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -118,7 +105,12 @@ def status(
 
 def replay(
     survey: SurveyFile,
-    at: Annotated[int, typer.Option(help="Event up to which to replay.", min=1, metavar="SEQ")],
+    at: Annotated[
+        int,
+        typer.Option(
+            metavar="SEQ", help="Event up to which to replay.", min=1, rich_help_panel=OUTPUT
+        ),
+    ],
     as_json: AsJson = False,
 ) -> None:
     """Rebuild a survey as it was after an event."""

@@ -14,11 +14,19 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from subsoil.cli.parsing import OUTPUT
 from subsoil.errors import printable
 
-AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-Seed = Annotated[int, typer.Option(help="Seed of everything random.", min=0)]
-Out = Annotated[Path, typer.Option(help="Folder to write to; made if missing.")]
+AsJson = Annotated[
+    bool,
+    typer.Option("--json", help="Print the result as JSON.", rich_help_panel=OUTPUT),
+]
+Out = Annotated[
+    Path,
+    typer.Option(
+        metavar="DIR", help="Folder to write to; made if missing.", rich_help_panel=OUTPUT
+    ),
+]
 
 _LABELS = {"metres": "way (m)", "minutes": "time (min)", "mean_kv": "mean KV (kPa²)"}
 _PIPE_COLUMNS = 160

@@ -14,7 +14,10 @@ FIELD = "Field and readings"
 STRATEGY = "Strategy and estimator"
 LIMITS = "Limits: when it is enough"
 ROBOT = "Simulated robot"
+COMPARISON = "What to compare"
+WORK = "How to work"
 OUTPUT = "Output"
+"""Groups of options in help."""
 
 Complete = Callable[[str], list[str]]
 """From what is typed so far to what it may become."""

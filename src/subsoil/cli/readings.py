@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-import typer
 
-from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of, rule_named
+from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of
+from subsoil.cli.field import (
+    Block,
+    Boundary,
+    CellSize,
+    Crs,
+    Edges,
+    OptionalBoundary,
+    OptionalConeArea,
+    ReadingsFile,
+    ReadingUnit,
+)
 from subsoil.cli.material import Material, material_of
 from subsoil.cli.options import (
     DEFAULT_EDGES,
-    CellSize,
-    Edges,
     EstimatorName,
     EstimatorSettings,
     extent_of,
@@ -33,33 +39,20 @@ from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots import readings_figures
 from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
 
-ReadingsFile = Annotated[
-    Path, typer.Argument(help="Readings (robot YAML or CSV) or a survey file.", metavar="READINGS")
-]
-OptionalBoundary = Annotated[
-    Path | None, typer.Option(help="Outline of the field; readings outside are refused.")
-]
-OptionalConeArea = Annotated[
-    float | None, typer.Option(help="Base area of the cone in mm2, where readings are forces.")
-]
-Units = Annotated[
-    str | None,
-    typer.Option(help="Unit of the readings where the file does not say: kpa, mpa, psi."),
-]
 _ESTIMATOR = "pmc"
 
 
 def make_map(
     readings: ReadingsFile,
-    boundary: Annotated[Path, typer.Option(help="Outline of the field.")],
+    boundary: Boundary,
     out: Out,
     cell: CellSize = 5.0,
     layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
     setting: EstimatorSettings = None,
     cone_area: OptionalConeArea = None,
-    units: Units = None,
-    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    reading_unit: ReadingUnit = None,
+    crs: Crs = None,
     covariate: CovariateFile = None,
     column: Column = None,
     drift: Drift = "auto",
@@ -67,11 +60,11 @@ def make_map(
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     field = read_field(boundary, crs=crs, cell_size=cell)
-    material = material_of(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
     check_memory(len(material.samples), len(field.cells))
     known = covariate_of(covariate, column, field, crs)
     chosen = estimator_named(estimator, field.extent_m, numbers(setting))
-    learnt = learn(material.at, material.kpa, known, chosen, rule_named(drift))
+    learnt = learn(material.at, material.kpa, known, chosen, drift)
     fits = learnt.fits
     soil_map = SoilMap(
         field, material.layers, tuple(fit.variogram for fit in fits), material.samples,
@@ -105,13 +98,13 @@ def variogram(
     estimator: EstimatorName = _ESTIMATOR,
     setting: EstimatorSettings = None,
     cone_area: OptionalConeArea = None,
-    units: Units = None,
-    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    reading_unit: ReadingUnit = None,
+    crs: Crs = None,
     as_json: AsJson = False,
 ) -> None:
     """Show empirical variograms with pair counts, and what was fitted to them."""
     field = read_field(boundary, crs=crs) if boundary else None
-    material = material_of(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
     check_memory(len(material.samples))
     extent = field.extent_m if field else extent_of(material.at)
     chosen = estimator_named(estimator, extent, numbers(setting))
@@ -139,15 +132,15 @@ def cv(
     layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
     setting: EstimatorSettings = None,
-    block: Annotated[float, typer.Option(help="Side in m of the blocks left out together.")] = 50.0,
+    block: Block = 50.0,
     cone_area: OptionalConeArea = None,
-    units: Units = None,
-    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    reading_unit: ReadingUnit = None,
+    crs: Crs = None,
     as_json: AsJson = False,
 ) -> None:
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     field = read_field(boundary, crs=crs) if boundary else None
-    material = material_of(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
     check_memory(len(material.samples))
     extent = field.extent_m if field else extent_of(material.at)
     fits = estimator_named(estimator, extent, numbers(setting))(material.at, material.kpa)
