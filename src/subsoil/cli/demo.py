@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from subsoil.agent import drive
-from subsoil.cli.inspect import summary
+from subsoil.cli.inspect import summary, tell_survey
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
     EstimatorName,
@@ -20,7 +20,7 @@ from subsoil.cli.options import (
     allowed_by,
     settings_of,
 )
-from subsoil.cli.output import AsJson, Out, folder, progress, tell
+from subsoil.cli.output import AsJson, Out, Shown, folder, progress
 from subsoil.cli.parsing import FIELD, OUTPUT, grouped
 from subsoil.errors import JournalError
 from subsoil.io.rasters import write_geotiffs
@@ -70,6 +70,7 @@ def demo(
             rich_help_panel=OUTPUT,
         ),
     ] = False,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show a robot survey a field adaptively; leaves a survey file, maps, figures and a report."""
@@ -100,7 +101,7 @@ def demo(
         "maps": rasters,
         "report": report,
     }
-    tell(result, as_json)
+    tell_survey(result, as_json, units)
 
 
 def _survey(

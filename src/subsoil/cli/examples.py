@@ -14,7 +14,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "subsoil run survey.gpkg --target-rmse 250 --probability 0.8 --minutes 90",
     ),
     "resume": ("subsoil resume survey.gpkg",),
-    "status": ("subsoil status survey.gpkg",),
+    "status": ("subsoil status survey.gpkg", "subsoil status survey.gpkg --units us"),
     "withdraw": ('subsoil withdraw survey.gpkg REPORT --reason "hit a stone"',),
     "map": ("subsoil map readings.csv --boundary field.geojson --out maps --layers 0,0.1,0.2",),
     "variogram": ("subsoil variogram readings.csv --layers 0,0.1,0.2",),

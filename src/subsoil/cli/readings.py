@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from subsoil.cli.options import (
     extent_of,
     numbers,
 )
-from subsoil.cli.output import AsJson, Out, folder, progress, tell, tell_table
+from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
 from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
@@ -37,6 +37,7 @@ from subsoil.mapping.drift_choice import learn
 from subsoil.mapping.skill import layer_scores, no_better_than_mean
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots import readings_figures
+from subsoil.units import SYSTEMS, System, Units
 from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
 
 _ESTIMATOR = "pmc"
@@ -56,6 +57,7 @@ def make_map(
     covariate: CovariateFile = None,
     column: Column = None,
     drift: Drift = "auto",
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
@@ -86,9 +88,14 @@ def make_map(
         "maps": rasters,
         "figures": figures,
     }
-    tell({**result, "layers": _score_dicts(material, fits, scores)} if as_json else result, as_json)
-    if not as_json:
-        _tell_scores(material, fits, scores)
+    if as_json:
+        tell({**result, "layers": _score_dicts(material, fits, scores)}, as_json)
+        return
+    _tell(result, units)
+    _tell_scores(
+        "Leave-one-out (skill 0: no better than the mean, calibration 1: honest variances)",
+        material, _score_dicts(material, fits, scores), units,
+    )  # fmt: skip
 
 
 def variogram(
@@ -100,6 +107,7 @@ def variogram(
     cone_area: OptionalConeArea = None,
     reading_unit: ReadingUnit = None,
     crs: Crs = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show empirical variograms with pair counts, and what was fitted to them."""
@@ -114,15 +122,16 @@ def variogram(
         reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
         tell({**_about(material), **posterior, "layers": reports}, as_json)
         return
-    tell({**_about(material), **posterior}, as_json)
-    for name, fit in zip(material.layers.names, fits, strict=True):
+    _tell({**_about(material), **posterior}, units)
+    for name, fit in zip(SYSTEMS[units].layers(material.layers), fits, strict=True):
         bins = fit.empirical
         tell_table(
-            f"{name}: {_in_words(fit)}\n{fit.why}",
-            ("lag m", "pairs", "semivariance kPa2"),
+            f"{name}: {_in_words(fit, SYSTEMS[units])}\n{fit.why}",
+            ("lag_m", "pairs", "semivariance_kpa2"),
             list(
                 zip(bins.lag.tolist(), bins.pairs.tolist(), bins.semivariance.tolist(), strict=True)
             ),
+            SYSTEMS[units],
         )
 
 
@@ -136,6 +145,7 @@ def cv(
     cone_area: OptionalConeArea = None,
     reading_unit: ReadingUnit = None,
     crs: Crs = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
@@ -162,12 +172,8 @@ def cv(
     if as_json:
         tell({**about, "block_m": block, "layers": rows}, as_json)
         return
-    tell(about, as_json)
-    tell_table(
-        f"Leave-one-out and {block:g} m blocks, {len(material.samples)} samples",
-        list(rows[0]),
-        [list(row.values()) for row in rows],
-    )
+    _tell(about, units)
+    _tell_scores(f"Leave-one-out and {block:g} m blocks", material, rows, units)
 
 
 def _scores(
@@ -226,20 +232,25 @@ def _score_dicts(
     ]
 
 
-def _tell_scores(material: Material, fits: tuple[Fit, ...], scores: list[LeaveOneOut]) -> None:
-    rows = _score_dicts(material, fits, scores)
-    tell_table(
-        "Leave-one-out (skill 0 = no better than the mean, calibration 1 = honest variances)",
-        list(rows[0]),
-        [list(row.values()) for row in rows],
-    )
+def _tell(result: Mapping[str, object], units: System) -> None:
+    """Print what a file holds, for people: rows of a file are left out, not refused."""
+    names = {"refused": "left out"}
+    tell({names.get(k, k): value for k, value in result.items()}, False, SYSTEMS[units])
 
 
-def _in_words(fit: Fit) -> str:
+def _tell_scores(
+    title: str, material: Material, rows: list[dict[str, object]], units: System
+) -> None:
+    names = SYSTEMS[units].layers(material.layers)
+    shown = [[n, *list(row.values())[1:]] for n, row in zip(names, rows, strict=True)]
+    tell_table(title, list(rows[0]), shown, SYSTEMS[units])
+
+
+def _in_words(fit: Fit, units: Units) -> str:
     model = fit.variogram
     return (
-        f"{name_of(model)}, nugget {model.nugget:.4g} kPa2, sill {model.sill:.4g} kPa2, "
-        f"range {model.range:.0f} m"
+        f"{name_of(model)}, nugget {units.variance.text(model.nugget)}, "
+        f"sill {units.variance.text(model.sill)}, range {units.length.text(model.range)}"
     )
 
 

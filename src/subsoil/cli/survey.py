@@ -13,7 +13,7 @@ import typer
 from subsoil.agent import drive
 from subsoil.cli.covariate import Column, CovariateFile, covariate_of
 from subsoil.cli.field import Boundary, CellSize, ConeArea, Crs, Edges, KeepOuts
-from subsoil.cli.inspect import summary
+from subsoil.cli.inspect import summary, tell_survey
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
     DEFAULT_EDGES,
@@ -25,7 +25,7 @@ from subsoil.cli.options import (
     layers_of,
     settings_of,
 )
-from subsoil.cli.output import AsJson, progress, tell
+from subsoil.cli.output import AsJson, Shown, progress, tell
 from subsoil.cli.parsing import FIELD, ROBOT, grouped
 from subsoil.errors import JournalError, brief
 from subsoil.io.boundary import read_field
@@ -35,6 +35,7 @@ from subsoil.reports import Refused, Sampled, Source
 from subsoil.simulation import Machine, Truth
 from subsoil.survey import LocalDispatch, Survey, fold, opening
 from subsoil.survey.events import Configured, Event, Planned, Simulation
+from subsoil.units import SYSTEMS
 from subsoil.worlds import SIMULATED, robot_of, simulation_of, soil_of, truth_of
 
 Faster = Annotated[
@@ -92,6 +93,7 @@ def init(
     crs: Crs = None,
     covariate: CovariateFile = None,
     column: Column = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Start a survey of a field."""
@@ -112,7 +114,7 @@ def init(
         "force_limit_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
         "notes": field.notes,
     }
-    tell(result, as_json)
+    tell(result, as_json, SYSTEMS[units])
 
 
 @grouped
@@ -121,6 +123,7 @@ def run(
     method: MethodOptions,
     limits: LimitOptions,
     robot: RobotOptions,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Survey: drive a robot from stop to stop until there is enough. Ctrl-C is safe."""
@@ -133,7 +136,8 @@ def run(
             dispatch.record(Configured(settings=settings))
             dispatch.join(SIMULATED, "simulator", simulation=simulation)
             _work(dispatch, truth, robot.faster)
-    tell({**summary(dispatch.survey), "notes": (*journal.notes, *dispatch.survey.notes)}, as_json)
+    notes = (*journal.notes, *dispatch.survey.notes)
+    tell_survey({**summary(dispatch.survey), "notes": notes}, as_json, units)
 
 
 def resume(
@@ -144,6 +148,7 @@ def resume(
     ] = False,
     faster: Faster = math.inf,
     allow: Allow = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Go on with a survey that was stopped, exactly as if it had not been."""
@@ -155,7 +160,8 @@ def resume(
             if fresh_battery:
                 dispatch.swap_battery(SIMULATED)
             _work(dispatch, truth, faster)
-    tell({**summary(dispatch.survey), "notes": (*journal.notes, *dispatch.survey.notes)}, as_json)
+    notes = (*journal.notes, *dispatch.survey.notes)
+    tell_survey({**summary(dispatch.survey), "notes": notes}, as_json, units)
 
 
 @contextmanager
