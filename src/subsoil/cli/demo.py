@@ -28,6 +28,7 @@ from subsoil.journal import Journal, create, fingerprint, last_event
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.scores import rmse
+from subsoil.optional import FIGURES, GEOTIFF, REPORT, require
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
 from subsoil.reports import Source
@@ -74,20 +75,20 @@ def demo(
     as_json: AsJson = False,
 ) -> None:
     """Show a robot survey a field adaptively; leaves a survey file, maps, figures and a report."""
+    require(GEOTIFF, FIGURES, REPORT)
     path = folder(out) / _FILE
-    if overwrite:
-        path.unlink(missing_ok=True)
-    elif path.exists():
+    if path.exists() and not overwrite:
         raise JournalError(
-            "there is a survey already",
+            "it is there from an earlier demonstration",
             where=str(path),
-            remedy="choose another --out, or give --overwrite",
+            remedy="give --overwrite to replace it, or another --out",
         )
     land = _land(field)
     layers = Layers()
     method = MethodOptions(strategy=strategy, estimator=estimator, seed=seed)
     settings = settings_of(land, method, limits)
     truth = truth_of(field, land, layers, seed)
+    path.unlink(missing_ok=True)
     with create(path, opening(land, layers, SMALL_CONE)) as journal:
         survey, history = _survey(journal, settings, truth, simulation_of(truth, field, seed))
     fits = fits_of(survey)

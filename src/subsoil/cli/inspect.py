@@ -19,6 +19,7 @@ from subsoil.io.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
 from subsoil.land.field import Field
+from subsoil.optional import FIGURES, require
 from subsoil.plots import outlook_curve
 from subsoil.plots.album import DPI
 from subsoil.survey import Survey, apply, fold, settled
@@ -84,6 +85,8 @@ def status(
     as_json: AsJson = False,
 ) -> None:
     """Say how a survey stands, running or not: how good its map is, what more would buy."""
+    if out:
+        require(FIGURES)
     content = read_survey(survey)
     events, state = content.events, fold(content.events)
     prospects = outlook(state)

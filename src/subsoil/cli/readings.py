@@ -36,6 +36,7 @@ from subsoil.kriging.memory import check_memory
 from subsoil.mapping.drift_choice import learn
 from subsoil.mapping.skill import layer_scores, no_better_than_mean
 from subsoil.mapping.soilmap import SoilMap
+from subsoil.optional import FIGURES, GEOTIFF, require
 from subsoil.plots import readings_figures
 from subsoil.units import SYSTEMS, System, Units
 from subsoil.variogram import Estimator, Fit, Pooled, estimator_named, name_of
@@ -61,6 +62,7 @@ def make_map(
     as_json: AsJson = False,
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
+    require(GEOTIFF, FIGURES)
     field = read_field(boundary, crs=crs, cell_size=cell)
     material = material_of(readings, layers, field, crs, cone_area, reading_unit)
     check_memory(len(material.samples), len(field.cells))
