@@ -22,6 +22,7 @@ from subsoil.cli import (
     demo,
     doctor,
     inspect,
+    methods,
     readings,
     survey,
 )
@@ -50,6 +51,7 @@ VERBS: dict[str, Callable[..., None]] = {
     "cv": readings.cv,
     "replay": inspect.replay,
     "verify": inspect.verify,
+    "strategies": methods.strategies,
     "doctor": doctor.doctor,
 }
 """Verbs, as help lists them."""

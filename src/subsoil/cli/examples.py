@@ -21,6 +21,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "cv": ("subsoil cv readings.csv --layers 0,0.1,0.2 --block 40",),
     "replay": ("subsoil replay survey.gpkg --at 12",),
     "verify": ("subsoil verify survey.gpkg",),
+    "strategies": ("subsoil strategies", "subsoil strategies --json"),
     "doctor": ("subsoil doctor",),
     "bench run": (
         "subsoil bench run --out compare --fields 2 --strategies random,joint --samples 9",
