@@ -21,7 +21,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
     "3 decisions": ("ways", "stopping", "strategies"),
     "4 world": ("simulation",),
     "5 loop": ("survey", "journal"),
-    "6 edges": ("io", "datasets", "worlds", "plots", "report", "bench", "cli", "__main__"),
+    "6 edges": ("io", "datasets", "worlds", "units", "plots", "report", "bench", "cli", "__main__"),
 }  # fmt: skip
 """Rooms from the bottom up: each may import those named before it."""
 ROOMS = tuple(room for rooms in FLOORS.values() for room in rooms)

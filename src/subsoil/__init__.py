@@ -29,6 +29,8 @@ if TYPE_CHECKING:
         semivariance,
     )
 
+    __version__: str
+
 _HOMES = {
     "errors": ("SubsoilError",),
     "land.field": ("Field",),
@@ -45,6 +47,10 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("subsoil")
     for home, names in _HOMES.items():
         if name in names:
             return getattr(import_module(f"subsoil.{home}"), name)

@@ -14,16 +14,15 @@ from __future__ import annotations
 import hashlib
 import os
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 
-from subsoil.errors import DataUnavailableError, MissingExtraError
+from subsoil.errors import DataUnavailableError
 from subsoil.io.boundary import read_field
 from subsoil.io.readings import read_readings
 from subsoil.land.field import Field
+from subsoil.optional import load
 from subsoil.readings import Readings
 
 COSMOS_URL = "https://raw.githubusercontent.com/Jailander/COSMOS"
@@ -164,7 +163,7 @@ def _local(file: _File, folder: Path) -> Path:
 
 
 def _download(file: _File, url: str) -> Path:
-    pooch = _pooch(file)
+    pooch = load("pooch", "data", "downloading data", where=file.name, instead=_SET)
     address = f"{url}/{file.commit}/{_FOLDER}/{file.name}"
     try:
         path = pooch.retrieve(
@@ -186,14 +185,3 @@ def _download(file: _File, url: str) -> Path:
             remedy=_SET,
         ) from error
     return Path(path)
-
-
-def _pooch(file: _File) -> ModuleType:
-    try:
-        return import_module("pooch")
-    except ImportError as error:
-        raise MissingExtraError(
-            "downloading data needs pooch, which is not installed",
-            where=file.name,
-            remedy=f"pip install 'subsoil[data]', or {_SET}",
-        ) from error

@@ -112,7 +112,7 @@ def test_tasks_that_fail_are_named_and_the_others_are_kept(tmp_path: Path, bench
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
-        ("--protocol", "x", "no protocol 'x'"),
+        ("--protocol", "x", "'x' is not one of 'surrogate'"),
         ("--fields", "0", "--fields"),
         ("--strategies", "nope", "no strategy 'nope'"),
         ("--strategies", "random,random", "comes twice"),

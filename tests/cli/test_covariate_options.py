@@ -139,4 +139,4 @@ def test_a_rule_that_is_not_there_is_refused(
     path = started(cli, outline, ec, tmp_path / "survey.gpkg")
     result = cli("run", path, "--drift", "perhaps")
     assert result.code == 2
-    assert "no rule 'perhaps'" in result.err
+    assert "'perhaps' is not one of 'auto', 'always', 'never'" in result.err

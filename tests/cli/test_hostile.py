@@ -52,7 +52,7 @@ def test_a_name_that_is_no_text_is_as_good_as_any(cli: Cli, tmp_path: Path, name
     for call in (("init", path, "--boundary", outline), ("run", path, "--samples", 2)):
         said = cli(*call)
         assert said.code == 0, said.err
-        assert set(said.out) - {"\n"} <= set(filter(str.isprintable, said.out))
+        assert set(said.out) - {"\n", "\t"} <= set(filter(str.isprintable, said.out))
     assert cli("verify", path, "--json").json["findings"] == "none"
 
 

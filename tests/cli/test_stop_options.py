@@ -37,10 +37,11 @@ def survey(cli: Cli, outline: Path, tmp_path: Path) -> Path:
         (("--rate-hour", 10, "--currency", "euro"), "'euro' is no currency"),
     ],
 )
+@pytest.mark.parametrize("verb", ["run", "plan"])
 def test_what_cannot_be_asked_for_is_one_line_and_changes_nothing(
-    cli: Cli, survey: Path, options: tuple[object, ...], said: str
+    cli: Cli, survey: Path, verb: str, options: tuple[object, ...], said: str
 ) -> None:
-    outcome = cli("run", survey, *options)
+    outcome = cli(verb, survey, *options)
     assert outcome.code == 2
     assert said in outcome.err
     assert outcome.err.count("\n") == 1

@@ -23,6 +23,7 @@ from subsoil.bench.task import Entrant, Setting, Task
 from subsoil.bench.truths import truth_of
 from subsoil.errors import NotAllowedError, ParameterError
 from subsoil.io.whole import whole
+from subsoil.optional import FIGURES, require
 from subsoil.plots.album import DPI, draw_survey
 from subsoil.survey import fits_of
 
@@ -52,6 +53,7 @@ def write_report(folder: Path) -> dict[str, object]:
     MissingExtraError
         If matplotlib is not installed.
     """
+    require(FIGURES)
     benchmark, results = config_of(folder), results_of(folder)
     if not results:
         raise ParameterError(

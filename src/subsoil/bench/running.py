@@ -13,14 +13,14 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib import import_module
 from multiprocessing import get_context, parent_process
 from threading import Thread
 from typing import Any
 
 from subsoil.bench.scoring import scored
 from subsoil.bench.task import Result, Task
-from subsoil.errors import MissingExtraError, ParameterError
+from subsoil.errors import ParameterError
+from subsoil.optional import load
 
 RETRIES = 2
 """Times that a task is tried again after its worker died."""
@@ -113,7 +113,7 @@ def on_dask(tasks: Sequence[Task], address: str, workers: int) -> Iterator[Outco
     ParameterError
         If no scheduler answers at the address.
     """
-    distributed = _distributed()
+    distributed = load("distributed", "dask", "--dask")
     with _client(distributed, address, min(workers, len(tasks))) as client:
         futures = {client.submit(scored, task, key=task.name): task for task in tasks}
         for future in distributed.as_completed(futures):
@@ -160,7 +160,7 @@ def _client(distributed: Any, address: str, workers: int) -> Iterator[Any]:
         with _connected(distributed, address) as client:
             yield client
         return
-    dask = import_module("dask")
+    dask = load("dask", "dask", "--dask")
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": RETRIES}),
         distributed.LocalCluster(
@@ -179,14 +179,4 @@ def _connected(distributed: Any, address: str) -> Any:
             f"no Dask scheduler answers at {address}",
             where="--dask",
             remedy="give its address, such as tcp://10.0.0.5:8786, or local",
-        ) from error
-
-
-def _distributed() -> Any:
-    try:
-        return import_module("distributed")
-    except ImportError as error:
-        raise MissingExtraError(
-            "--dask needs dask.distributed, which is not installed",
-            remedy="pip install 'subsoil[dask]'",
         ) from error

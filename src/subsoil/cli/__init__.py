@@ -9,51 +9,84 @@ small, and its results must not depend on how many cores a machine has.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from typing import Annotated
 
 import typer
 from threadpoolctl import threadpool_limits
 
+import subsoil
 from subsoil.cli import (
     bench,
     corrections,
     demo,
     doctor,
     inspect,
+    methods,
     readings,
     survey,
 )
+from subsoil.cli.examples import epilog
+from subsoil.cli.parsing import Verb, Verbs
 from subsoil.errors import SubsoilError, printable
 
 _INTERRUPTED = 130
 """What typer makes of Ctrl-C."""
 
 app = typer.Typer(
-    help="Adaptive soil-compaction surveying: krige while you probe, re-plan after every reading.",
+    cls=Verbs,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(demo.demo)
-app.command()(survey.init)
-app.command()(inspect.plan)
-app.command()(survey.run)
-app.command()(survey.resume)
-app.command()(inspect.status)
-app.command()(corrections.withdraw)
-app.command(name="map")(readings.make_map)
-app.command()(readings.variogram)
-app.command()(readings.cv)
-app.command()(inspect.replay)
-app.command()(inspect.verify)
-app.command()(doctor.doctor)
+VERBS: dict[str, Callable[..., None]] = {
+    "demo": demo.demo,
+    "init": survey.init,
+    "plan": inspect.plan,
+    "run": survey.run,
+    "resume": survey.resume,
+    "status": inspect.status,
+    "withdraw": corrections.withdraw,
+    "map": readings.make_map,
+    "variogram": readings.variogram,
+    "cv": readings.cv,
+    "replay": inspect.replay,
+    "verify": inspect.verify,
+    "strategies": methods.strategies,
+    "doctor": doctor.doctor,
+}
+"""Verbs, as help lists them."""
+
+for _name, _verb in VERBS.items():
+    app.command(_name, cls=Verb, epilog=epilog(_name))(_verb)
 app.add_typer(bench.app, name="bench")
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"subsoil {subsoil.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version",
+            callback=_version,
+            is_eager=True,
+            help="Show the version and exit.",
+        ),
+    ] = False,
+) -> None:
+    """Adaptive soil-compaction surveying: krige while you probe, re-plan after every reading."""
 
 
 def run(arguments: list[str]) -> int:
     """Run the command line; returns the exit code."""
     try:
         with threadpool_limits(1, user_api="blas"):
-            code = app(arguments, standalone_mode=False)
+            code = app(arguments, prog_name="subsoil", standalone_mode=False)
     except SubsoilError as error:
         return _say(str(error), error.exit_code)
     except typer.TyperException as error:

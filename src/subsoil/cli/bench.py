@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Literal, get_args
 
 import shapely
 import typer
@@ -26,49 +26,75 @@ from subsoil.bench import (
     write_results,
 )
 from subsoil.bench.running import Outcome
-from subsoil.bench.task import PROTOCOLS, entrants_of
+from subsoil.bench.task import entrants_of
 from subsoil.bench.truths import land_of
+from subsoil.cli.examples import epilog
 from subsoil.cli.options import allowed_by
-from subsoil.cli.output import AsJson, Seed, folder, progress, tell
+from subsoil.cli.output import AsJson, folder, progress, tell
+from subsoil.cli.parsing import COMPARISON, OUTPUT, WORK, Verb, Verbs, some_of
 from subsoil.errors import ParameterError, SubsoilError, printable
 from subsoil.strategies import STRATEGIES
+from subsoil.variogram import ESTIMATORS
 
 app = typer.Typer(
+    cls=Verbs,
     help="Compare strategies on the same fields, and report beside the paper's numbers.",
     no_args_is_help=True,
 )
+
+Protocol = Literal["surrogate", "signal", "riseholme"]
 
 _CANNOT_GO_ON = 3
 """Exit code if a task has no result."""
 
 
-@app.command()
+def _option(help_: str, metavar: str, panel: str = COMPARISON, **more: Any) -> Any:
+    return typer.Option(help=help_, metavar=metavar, rich_help_panel=panel, **more)
+
+
+@app.command(cls=Verb, epilog=epilog("bench run"))
 def run(
-    out: Annotated[Path, typer.Option(help="Folder of the benchmark; made if missing.")],
+    out: Annotated[Path, _option("Folder of the benchmark; made if missing.", "DIR", OUTPUT)],
     protocol: Annotated[
-        str, typer.Option(help=f"How soils are drawn and read: {', '.join(PROTOCOLS)}.")
+        Protocol,
+        typer.Option(
+            metavar="NAME",
+            help=f"How soils are drawn and read: {', '.join(get_args(Protocol))}.",
+            rich_help_panel=COMPARISON,
+        ),
     ] = "surrogate",
-    fields: Annotated[int, typer.Option(help="Number of fields.")] = 20,
-    seed: Seed = 0,
+    fields: Annotated[int, _option("Number of fields.", "N")] = 20,
+    seed: Annotated[int, _option("Seed of all chance.", "N", min=0)] = 0,
     strategies: Annotated[
-        str, typer.Option(help="Strategies by name or module:attribute, comma-separated.")
+        str,
+        _option(
+            f"Strategies, comma-separated, of {', '.join(STRATEGIES)}, or module:attribute.",
+            "NAMES",
+            show_default="all",
+            autocompletion=some_of(STRATEGIES),
+        ),
     ] = ",".join(STRATEGIES),
     samples: Annotated[
-        str, typer.Option(help="Numbers of samples to compare at, comma-separated.")
+        str, _option("Numbers of samples to compare at, comma-separated.", "N,N,...")
     ] = "15,20,30,50",
     estimator: Annotated[
         str | None,
-        typer.Option(
-            help="Estimators for all strategies, comma-separated. "
-            "Default: paper-10 for the paper's, pmc for others."
+        _option(
+            f"Estimators for all strategies, comma-separated, of {', '.join(ESTIMATORS)}.",
+            "NAMES",
+            show_default="paper-10 for the paper's, pmc for others",
+            autocompletion=some_of(ESTIMATORS),
         ),
     ] = None,
     boundary: Annotated[
-        Path | None, typer.Option(help="Outline of the field, instead of the protocol's own.")
+        Path | None, _option("Outline of the field, instead of the protocol's own.", "FILE")
     ] = None,
-    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler, or local.")] = None,
+    dask: Annotated[
+        str | None, _option("Address of a Dask scheduler, or local.", "ADDRESS", WORK)
+    ] = None,
     workers: Annotated[
-        int | None, typer.Option(help="Processes on this machine. Default: one a core.", min=1)
+        int | None,
+        _option("Processes on this machine.", "N", WORK, show_default="one a core", min=1),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -103,7 +129,7 @@ def run(
         raise typer.Exit(_CANNOT_GO_ON)
 
 
-@app.command()
+@app.command(cls=Verb, epilog=epilog("bench report"))
 def report(
     benchmark: Annotated[Path, typer.Argument(help="Folder of a benchmark.", metavar="DIR")],
     as_json: AsJson = False,

@@ -8,6 +8,7 @@ import typer
 
 from subsoil.cli.options import SurveyFile
 from subsoil.cli.output import AsJson, tell
+from subsoil.cli.parsing import FIELD
 from subsoil.journal import open_journal
 from subsoil.survey import LocalDispatch, fold
 
@@ -17,7 +18,9 @@ def withdraw(
     report: Annotated[
         str, typer.Argument(help="Id of the reading, as the layer `samples` names it.")
     ],
-    reason: Annotated[str, typer.Option(help="Why it does not count.")],
+    reason: Annotated[
+        str, typer.Option(metavar="WORDS", help="Why it does not count.", rich_help_panel=FIELD)
+    ],
     as_json: AsJson = False,
 ) -> None:
     """Let a reading count no more; the map is as if it had never been taken."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, cast, get_args
+from typing import Annotated
 
 import typer
 
-from subsoil.errors import ParameterError
+from subsoil.cli.parsing import FIELD, STRATEGY
 from subsoil.io.covariate import read_covariate
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.land.field import Field
@@ -16,16 +16,25 @@ from subsoil.mapping.drift_choice import DriftRule
 CovariateFile = Annotated[
     Path | None,
     typer.Option(
-        "--covariate", help="EC, yield or earlier map that the soil may follow: GeoTIFF or points."
+        "--covariate",
+        metavar="FILE",
+        help="EC, yield or earlier map that the soil may follow: GeoTIFF or points.",
+        rich_help_panel=FIELD,
     ),
 ]
 Column = Annotated[
-    str | None, typer.Option(help="Column of a covariate of points, if it has several.")
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        help="Column of a covariate of points, if it has several.",
+        rich_help_panel=FIELD,
+    ),
 ]
 Drift = Annotated[
-    str,
+    DriftRule,
     typer.Option(
-        help="Layers that follow the covariate: auto (where it predicts better), always, never."
+        help="Which layers follow the covariate; auto: where it predicts better.",
+        rich_help_panel=STRATEGY,
     ),
 ]
 
@@ -35,20 +44,3 @@ def covariate_of(path: Path | None, column: str | None, field: Field, crs: str |
     if path is None:
         return NO_COVARIATE
     return Covariate(field.cells, read_covariate(path, field, column=column, crs=crs))
-
-
-def rule_named(name: str) -> DriftRule:
-    """Rule of a name.
-
-    Raises
-    ------
-    ParameterError
-        If there is none of that name.
-    """
-    if name not in get_args(DriftRule):
-        raise ParameterError(
-            f"there is no rule {name!r}",
-            where="--drift",
-            remedy=f"one of {', '.join(get_args(DriftRule))}",
-        )
-    return cast("DriftRule", name)

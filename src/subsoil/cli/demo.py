@@ -4,76 +4,90 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
-from subsoil.cli import limits as enough
-from subsoil.cli.inspect import summary
+from subsoil.cli.inspect import summary, tell_survey
+from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
-    DEFAULT_ESTIMATOR,
-    DEFAULT_STRATEGY,
     EstimatorName,
-    Samples,
+    MethodOptions,
+    Seed,
     StrategyName,
+    World,
     allowed_by,
     settings_of,
 )
-from subsoil.cli.output import AsJson, Seed, folder, progress, tell
+from subsoil.cli.output import AsJson, Out, Shown, folder, progress
+from subsoil.cli.parsing import FIELD, OUTPUT, grouped
 from subsoil.errors import JournalError
 from subsoil.io.rasters import write_geotiffs
 from subsoil.journal import Journal, create, fingerprint, last_event
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.scores import rmse
+from subsoil.optional import FIGURES, GEOTIFF, REPORT, require
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
 from subsoil.simulation import Truth
-from subsoil.survey import LocalDispatch, Settings, Survey, fits_of, fold, opening
+from subsoil.survey import (
+    DEFAULT_ESTIMATOR,
+    DEFAULT_STRATEGY,
+    LocalDispatch,
+    Settings,
+    Survey,
+    fits_of,
+    fold,
+    opening,
+)
 from subsoil.survey.events import Configured, Event, Planned, Simulation
 from subsoil.survey.simulated import SIMULATED, simulation_of, work
 from subsoil.worlds import demo_field, truth_of
 
-World = Literal["simulated", "riseholme"]
 _FILE = "survey.gpkg"
 
 
+@grouped
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder to write to; made if missing.")] = Path("demo"),
+    limits: LimitOptions,
+    out: Out = Path("demo"),
     field: Annotated[
-        World, typer.Option(help="A simulated field, or the surrogate of the paper's real one.")
+        World,
+        typer.Option(
+            help="A simulated field, or the surrogate of the paper's real one.",
+            rich_help_panel=FIELD,
+        ),
     ] = "simulated",
     strategy: StrategyName = DEFAULT_STRATEGY,
-    samples: Samples = 30,
-    seed: Seed = 0,
     estimator: EstimatorName = DEFAULT_ESTIMATOR,
-    minutes: enough.Minutes = math.inf,
-    target_rmse: enough.Target = None,
-    probability: enough.Probability = None,
+    seed: Seed = 0,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace the survey of an earlier demonstration.")
+        bool,
+        typer.Option(
+            "--overwrite",
+            help="Replace the survey of an earlier demonstration.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = False,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show a robot survey a field adaptively; leaves a survey file, maps, figures and a report."""
+    require(GEOTIFF, FIGURES, REPORT)
     path = folder(out) / _FILE
-    if overwrite:
-        path.unlink(missing_ok=True)
-    elif path.exists():
+    if path.exists() and not overwrite:
         raise JournalError(
-            "there is a survey already",
+            "it is there from an earlier demonstration",
             where=str(path),
-            remedy="choose another --out, or give --overwrite",
+            remedy="give --overwrite to replace it, or another --out",
         )
     land = _land(field)
     layers = Layers()
-    goals = enough.goals(target_rmse, probability, None, None, None, None)
-    settings = settings_of(
-        land, strategy, samples, seed,
-        estimator=estimator, minutes=minutes, goals=goals,
-        allowed=allowed_by(None, strategy, estimator),
-    )  # fmt: skip
+    method = MethodOptions(strategy=strategy, estimator=estimator, seed=seed)
+    settings = settings_of(land, method, limits)
     truth = truth_of(field, land, layers, seed)
+    path.unlink(missing_ok=True)
     with create(path, opening(land, layers, SMALL_CONE)) as journal:
         survey, history = _survey(journal, settings, truth, simulation_of(truth, field, seed))
     fits = fits_of(survey)
@@ -87,7 +101,7 @@ def demo(
         "maps": rasters,
         "report": report,
     }
-    tell(result, as_json)
+    tell_survey(result, as_json, units)
 
 
 def _survey(

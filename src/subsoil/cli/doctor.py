@@ -4,34 +4,51 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import shutil
 import sqlite3
 import sys
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, requires, version
 
 import typer
 
 from subsoil.cli.output import AsJson, tell, tell_table
+from subsoil.optional import install
 
-_NEEDED = ("numpy", "scipy", "shapely", "pyproj", "pydantic", "filelock", "typer")
-_EXTRAS = {
-    "rasterio": "geo",
-    "xarray": "geo",
-    "pyogrio": "geo",
-    "matplotlib": "plot",
-    "jinja2": "plot",
-    "pooch": "data",
-}
+_EXTRAS = ("geo", "plot", "data", "dask")
+"""Extras that users take; the others are for developers."""
 _GIB = 1024**3
+
+
+@dataclass(frozen=True)
+class _Library:
+    """A library that subsoil takes, by the package's own metadata; needed if of no extra."""
+
+    name: str
+    extra: str
+
+    @property
+    def version(self) -> str:
+        """Version installed; empty if it is missing."""
+        try:
+            return version(self.name)
+        except PackageNotFoundError:
+            return ""
+
+    @property
+    def remedy(self) -> str:
+        """What installs it."""
+        return install(self.extra) if self.extra else f"pip install {self.name}"
 
 
 def doctor(as_json: AsJson = False) -> None:
     """Say what this machine has and lacks; exit code 1 if something needed is missing."""
-    needed = {name: _version(name) for name in _NEEDED}
-    extras = {name: _version(name) for name in _EXTRAS}
-    missing = [name for name, found in needed.items() if not found]
+    libraries = list(_libraries())
+    missing = [each.name for each in libraries if not (each.version or each.extra)]
     machine = {
-        "subsoil": _version("subsoil"),
+        "subsoil": version("subsoil"),
         "python": sys.version.split()[0],
         "system": platform.platform(),
         "cores": os.cpu_count() or 1,
@@ -40,21 +57,30 @@ def doctor(as_json: AsJson = False) -> None:
         "riseholme_data": os.environ.get("SUBSOIL_DATA", "fetched when first used"),
     }
     if as_json:
-        tell({**machine, "needed": needed, "extras": extras, "missing": missing}, as_json)
+        found = {
+            "needed": {each.name: each.version for each in libraries if not each.extra},
+            "extras": {each.name: each.version for each in libraries if each.extra},
+            "missing": missing,
+            "remedies": {each.name: each.remedy for each in libraries if not each.version},
+        }
+        tell({**machine, **found}, as_json)
     else:
         tell(machine, as_json)
-        rows = [(name, found or "missing", "") for name, found in needed.items()]
-        rows += [
-            (name, found or "not installed", "" if found else f"pip install 'subsoil[{extra}]'")
-            for (name, extra), found in zip(_EXTRAS.items(), extras.values(), strict=True)
+        rows = [
+            (each.name, each.version, "")
+            if each.version
+            else (each.name, "not installed" if each.extra else "missing", each.remedy)
+            for each in libraries
         ]
         tell_table("Libraries", ("library", "version", "remedy"), rows)
     if missing:
         raise typer.Exit(1)
 
 
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return ""
+def _libraries() -> Iterator[_Library]:
+    for line in requires("subsoil") or ():
+        name = re.match(r"[\w.-]+", line)
+        extra = re.search(r"extra == ['\"](\w+)['\"]", line)
+        assert name
+        if extra is None or extra[1] in _EXTRAS:
+            yield _Library(name[0], extra[1] if extra else "")

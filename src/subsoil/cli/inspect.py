@@ -3,30 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from subsoil.cli import limits as enough
-from subsoil.cli.options import (
-    DEFAULT_STRATEGY,
-    Allow,
-    Samples,
-    StrategyName,
-    StrategySettings,
-    SurveyFile,
-    allowed_by,
-    settings_of,
-    values,
-)
-from subsoil.cli.output import AsJson, Seed, folder, progress, tell, tell_table
-from subsoil.errors import ParameterError, printable
+from subsoil.cli.limits import LimitOptions
+from subsoil.cli.options import Allow, MethodOptions, SurveyFile, allowed_by, settings_of
+from subsoil.cli.output import AsJson, Shown, folder, progress, say, tell, tell_table
+from subsoil.cli.parsing import OUTPUT, grouped
+from subsoil.errors import ParameterError
 from subsoil.io.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
 from subsoil.land.field import Field
+from subsoil.optional import FIGURES, require
 from subsoil.plots import outlook_curve
 from subsoil.plots.album import DPI
 from subsoil.survey import Survey, apply, fold, settled
@@ -41,32 +34,24 @@ from subsoil.survey.outlook import (
     too_sure,
 )
 from subsoil.survey.progress import progress_of
+from subsoil.units import SYSTEMS, System, Units
 from subsoil.ways.routing import length
 
-_DEGREES = {"longitude", "latitude"}
 _ROWS = {1, 2, 3, 5, 10, 15, 20, 30, 40}
 
 
+@grouped
 def plan(
     survey: SurveyFile,
-    strategy: StrategyName = DEFAULT_STRATEGY,
-    samples: Samples = 30,
-    seed: Seed = 0,
-    metres: enough.Metres = math.inf,
-    minutes: enough.Minutes = math.inf,
-    strategy_setting: StrategySettings = None,
-    allow: Allow = None,
+    method: MethodOptions,
+    limits: LimitOptions,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show where a survey would go next; changes nothing."""
-    state, allowed = fold(read_survey(survey).events), allowed_by(allow, strategy)
+    state, allowed = fold(read_survey(survey).events), method.allowed
     if not state.method:
-        settings = settings_of(
-            state.field, strategy, samples, seed,
-            metres=metres, minutes=minutes, strategy_settings=values(strategy_setting),
-            allowed=allowed,
-        )  # fmt: skip
-        state = apply(state, Configured(settings=settings))
+        state = apply(state, Configured(settings=settings_of(state.field, method, limits)))
     state, _ = settled(state, allowed)
     stops = _next(state)
     way = length(state.access, state.position, state.access.at[list(stops)])
@@ -81,18 +66,27 @@ def plan(
     if as_json:
         tell({**result, "plan": [_stop(state.field, cell) for cell in stops]}, as_json)
         return
-    tell(result, as_json)
-    tell_table("Stops", *_stop_table(state.field, stops))
+    tell(result, as_json, SYSTEMS[units])
+    rows = [(k, *_stop(state.field, cell).values()) for k, cell in enumerate(stops, start=1)]
+    tell_table("Stops", ("stop", *_stop(state.field, 0)), rows, SYSTEMS[units])
 
 
 def status(
     survey: SurveyFile,
     out: Annotated[
-        Path | None, typer.Option(help="Folder for a picture of what more would buy.")
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Folder for a picture of what more would buy.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Say how a survey stands, running or not: how good its map is, what more would buy."""
+    if out:
+        require(FIGURES)
     content = read_survey(survey)
     events, state = content.events, fold(content.events)
     prospects = outlook(state)
@@ -110,15 +104,20 @@ def status(
         }
         tell({**result, **numbers}, as_json)
         return
-    print(printable(words))
-    tell(result, as_json)
-    if prospects.ahead:
-        tell_table("What more would buy", *_forecast_table(prospects))
+    say(_in_units(state, prospects, SYSTEMS[units]))
+    tell_survey(result, as_json, units)
+    tell_table("What more would buy", *_forecast_table(prospects), SYSTEMS[units])
 
 
 def replay(
     survey: SurveyFile,
-    at: Annotated[int, typer.Option(help="Event up to which to replay.", min=1, metavar="SEQ")],
+    at: Annotated[
+        int,
+        typer.Option(
+            metavar="SEQ", help="Event up to which to replay.", min=1, rich_help_panel=OUTPUT
+        ),
+    ],
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Rebuild a survey as it was after an event."""
@@ -126,7 +125,8 @@ def replay(
     events = [event for seq, event in content.numbered if seq <= at]
     if at > (last := content.last[0]):
         raise ParameterError(f"there are {last} events", where="--at", remedy=f"1 to {last}")
-    tell({"event": at, "kind": events[-1].kind, **summary(fold(events))}, as_json)
+    result = {"event": at, "kind": events[-1].kind, **summary(fold(events))}
+    tell_survey(result, as_json, units)
 
 
 def verify(survey: SurveyFile, allow: Allow = None, as_json: AsJson = False) -> None:
@@ -179,9 +179,25 @@ def summary(survey: Survey) -> dict[str, object]:
     return result
 
 
+def tell_survey(result: Mapping[str, object], as_json: bool, units: System = "metric") -> None:
+    """Print how a survey stands, for people without a next stop where there is none."""
+    nothing = {"planned": 0, "refused": 0, "next": "none"}
+    shown = {k: v for k, v in result.items() if as_json or v != nothing.get(k, nothing)}
+    tell(shown, as_json, SYSTEMS[units])
+
+
 def _next(survey: Survey) -> tuple[int, ...]:
     """Cells still to visit: those on somebody's way first."""
     return (*(lease.cell for lease in survey.leases), *survey.plan.cells)
+
+
+def _in_units(survey: Survey, prospects: Outlook, units: Units) -> str:
+    """Say how good the map is and what more would buy, with errors in some unit."""
+    unit = units.pressure
+    ahead = tuple(replace(entry, rmse=unit.factor * entry.rmse) for entry in prospects.ahead)
+    error = replace(prospects.error, kv=units.variance.factor * prospects.error.kv)
+    shown = replace(prospects, rmse=unit.factor * prospects.rmse, error=error, ahead=ahead)
+    return in_words(survey, shown).replace(" kPa", f" {unit.name}")
 
 
 def _draw(events: Sequence[Event], prospects: Outlook, path: Path) -> Path:
@@ -204,10 +220,10 @@ def _prospect(survey: Survey, entry: Prospect) -> dict[str, float]:
     }
 
 
-def _forecast_table(prospects: Outlook) -> tuple[list[str], list[list[str]]]:
+def _forecast_table(prospects: Outlook) -> tuple[list[str], list[tuple[int, float, float]]]:
     """Columns and rows of what more would buy."""
     rows = [
-        [f"{entry.more}", f"{entry.minutes:.0f}", f"{entry.rmse:.1f}"]
+        (entry.more, entry.minutes, entry.rmse)
         for entry in prospects.ahead
         if entry.more in _ROWS or entry in prospects.milestones
     ]
@@ -221,13 +237,3 @@ def _stop(field: Field, cell: int) -> dict[str, float]:
         longitude, latitude = field.to_lonlat([(east, north)])[0].tolist()
         stop |= {"longitude": round(longitude, 7), "latitude": round(latitude, 7)}
     return stop
-
-
-def _stop_table(field: Field, cells: Sequence[int]) -> tuple[list[str], list[list[str]]]:
-    """Columns and rows of stops, with degrees to a tenth of a metre."""
-    stops = [_stop(field, cell) for cell in cells]
-    rows = [
-        [str(k + 1), *(f"{v:.6f}" if n in _DEGREES else f"{v:.8g}" for n, v in stop.items())]
-        for k, stop in enumerate(stops)
-    ]
-    return ["stop", *_stop(field, 0)], rows

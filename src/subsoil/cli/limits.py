@@ -2,76 +2,120 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import dataclass
+from math import inf
+from typing import Annotated, Any
 
 import typer
 
+from subsoil.cli.parsing import LIMITS
 from subsoil.errors import ParameterError
-from subsoil.stopping import DecidedShare, Goal, LeastGain, SureRmse, TargetRmse
+from subsoil.stopping import DecidedShare, Goal, LeastGain, Rates, SureRmse, TargetRmse
 
-Metres = Annotated[float, typer.Option(help="Do not drive further than this in m.")]
-Minutes = Annotated[float, typer.Option(help="Do not take longer than this in min.")]
-Money = Annotated[float, typer.Option(help="Do not cost more than this; needs a rate.")]
-MeanKv = Annotated[float, typer.Option(help="Stop at this mean kriging variance in kPa2.")]
-RateHour = Annotated[float, typer.Option(help="Money for an hour in the field.")]
-RateKm = Annotated[float, typer.Option(help="Money for a km driven.")]
-RateSample = Annotated[float, typer.Option(help="Money for a reading.")]
-CallOut = Annotated[float, typer.Option(help="Money for coming at all.")]
-Currency = Annotated[str, typer.Option(help="Currency of all money, such as EUR.")]
-Target = Annotated[
-    float | None, typer.Option(help="Stop when the map expects this RMSE of itself, in kPa.")
-]
-Probability = Annotated[
-    float | None,
-    typer.Option(help="Ask for --target-rmse with this probability; see --estimator pmc."),
-]
-Threshold = Annotated[
-    float | None,
-    typer.Option(help="Stop when most of the field is known to be above or below this, in kPa."),
-]
-Decided = Annotated[
-    float | None, typer.Option(help="Share of the field to decide so.", show_default="0.9")
-]
-Confidence = Annotated[
-    float | None, typer.Option(help="Probability that decides a cell.", show_default="0.8")
-]
-MinGain = Annotated[
-    float | None,
-    typer.Option(help="Stop when the next sample would lower the RMSE by less, in kPa."),
-]
+_DECIDED, _CONFIDENCE = 0.9, 0.8
+"""Share of a field to decide, and probability that decides a cell, where nothing else is said."""
 
 
-def goals(
-    target_rmse: float | None,
-    probability: float | None,
-    threshold_kpa: float | None,
-    decided: float | None,
-    confidence: float | None,
-    min_gain: float | None,
-) -> tuple[Goal, ...]:
-    """What the map has to show.
+def _limit(help_: str, metavar: str, default: str | bool = False, **more: Any) -> Any:
+    return typer.Option(
+        help=help_, metavar=metavar, show_default=default, rich_help_panel=LIMITS, **more
+    )
 
-    Raises
-    ------
-    ParameterError
-        If a number is outside what it may be, or says nothing without one that is not given.
+
+Metres = Annotated[float, _limit("Do not drive further.", "M")]
+Minutes = Annotated[float, _limit("Do not take longer.", "MIN")]
+Money = Annotated[float, _limit("Do not cost more; needs a rate.", "MONEY")]
+
+
+@dataclass(frozen=True)
+class LimitOptions:
+    """When a survey has had enough, as the command line says it.
+
+    Attributes
+    ----------
+    samples, metres, minutes, money, kv
+        Limits of :class:`subsoil.stopping.Limits`.
+    target_rmse, probability, threshold_kpa, decided, confidence, min_gain
+        What the map has to show: see :attr:`goals`.
+    rate_hour, rate_km, rate_sample, call_out, currency
+        What it is charged for: see :attr:`rates`.
     """
-    if target_rmse is None and probability is not None:
-        raise _alone("--probability", "--target-rmse")
-    if threshold_kpa is None and not (decided is None and confidence is None):
-        raise _alone("--decided" if confidence is None else "--confidence", "--threshold-kpa")
-    chosen: list[Goal] = []
-    if target_rmse is not None and probability is None:
-        chosen.append(TargetRmse(target_rmse))
-    if target_rmse is not None and probability is not None:
-        chosen.append(SureRmse(target_rmse, probability))
-    if threshold_kpa is not None:
-        share = 0.9 if decided is None else decided
-        sure = 0.8 if confidence is None else confidence
-        chosen.append(DecidedShare(threshold_kpa, share, sure))
-    if min_gain is not None:
-        chosen.append(LeastGain(min_gain))
-    return tuple(chosen)
+
+    samples: Annotated[int, _limit("Readings to take.", "N", True, min=1)] = 30
+    metres: Metres = inf
+    minutes: Minutes = inf
+    money: Money = inf
+    target_rmse: Annotated[
+        float | None, _limit("Stop when the map expects this RMSE of itself.", "KPA")
+    ] = None
+    probability: Annotated[
+        float | None,
+        _limit("Ask for --target-rmse with this probability; see --estimator pmc.", "P"),
+    ] = None
+    threshold_kpa: Annotated[
+        float | None,
+        _limit("Stop when most of the field is known to be above or below this.", "KPA"),
+    ] = None
+    decided: Annotated[
+        float | None, _limit("Share of the field to decide so.", "SHARE", f"{_DECIDED:g}")
+    ] = None
+    confidence: Annotated[
+        float | None, _limit("Probability that decides a cell.", "P", f"{_CONFIDENCE:g}")
+    ] = None
+    min_gain: Annotated[
+        float | None, _limit("Stop when the next sample would lower the RMSE by less.", "KPA")
+    ] = None
+    kv: Annotated[float, _limit("Stop at this mean kriging variance.", "KPA2")] = 0.0
+    rate_hour: Annotated[float, _limit("Money for an hour in the field.", "MONEY")] = 0.0
+    rate_km: Annotated[float, _limit("Money for a km driven.", "MONEY")] = 0.0
+    rate_sample: Annotated[float, _limit("Money for a reading.", "MONEY")] = 0.0
+    call_out: Annotated[float, _limit("Money for coming at all.", "MONEY")] = 0.0
+    currency: Annotated[str, _limit("Currency of all money.", "CODE", True)] = "EUR"
+
+    @property
+    def rates(self) -> Rates:
+        """What the survey is charged for.
+
+        Raises
+        ------
+        ParameterError
+            If a rate is negative or not finite, or the currency is none.
+        """
+        return Rates(self.rate_hour, self.rate_km, self.rate_sample, self.call_out, self.currency)
+
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """What the map has to show.
+
+        Raises
+        ------
+        ParameterError
+            If a number is outside what it may be, or says nothing without one that is not given.
+        """
+        return (*self._error(), *self._decision(), *self._gain())
+
+    def _error(self) -> tuple[Goal, ...]:
+        if self.target_rmse is None:
+            if self.probability is not None:
+                raise _alone("--probability", "--target-rmse")
+            return ()
+        if self.probability is None:
+            return (TargetRmse(self.target_rmse),)
+        return (SureRmse(self.target_rmse, self.probability),)
+
+    def _decision(self) -> tuple[Goal, ...]:
+        if self.threshold_kpa is None:
+            if self.confidence is not None:
+                raise _alone("--confidence", "--threshold-kpa")
+            if self.decided is not None:
+                raise _alone("--decided", "--threshold-kpa")
+            return ()
+        share = _DECIDED if self.decided is None else self.decided
+        sure = _CONFIDENCE if self.confidence is None else self.confidence
+        return (DecidedShare(self.threshold_kpa, share, sure),)
+
+    def _gain(self) -> tuple[Goal, ...]:
+        return () if self.min_gain is None else (LeastGain(self.min_gain),)
 
 
 def _alone(option: str, needed: str) -> ParameterError:

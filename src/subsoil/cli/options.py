@@ -2,41 +2,53 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
-from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
+from subsoil.cli.covariate import Drift
+from subsoil.cli.limits import LimitOptions
+from subsoil.cli.parsing import STRATEGY, one_of
 from subsoil.errors import ParameterError, brief
 from subsoil.land.field import Field
 from subsoil.layers import Layers
-from subsoil.mapping.drift_choice import DriftRule
-from subsoil.registry import NOBODY, Allowed, imported
-from subsoil.stopping import Goal, Rates
-from subsoil.strategies import strategy_named
+from subsoil.registry import Allowed, imported
+from subsoil.strategies import STRATEGIES, strategy_named
 from subsoil.survey import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, checked
-from subsoil.variogram import estimator_named
+from subsoil.variogram import ESTIMATORS, estimator_named
 
 SurveyFile = Annotated[
     Path, typer.Argument(help="Survey file, a GeoPackage.", metavar="SURVEY.gpkg")
 ]
-Boundary = Annotated[
-    Path, typer.Option(help="Outline of the field: GeoJSON, .coords, GeoPackage, shapefile, KML.")
+StrategyName = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help=f"Where to probe: {', '.join(STRATEGIES)}, or your own as module:attribute.",
+        autocompletion=one_of(STRATEGIES),
+        rich_help_panel=STRATEGY,
+    ),
 ]
-StrategyName = Annotated[str, typer.Option(help="Strategy by name, or module:attribute.")]
-Samples = Annotated[int, typer.Option(help="Readings to take.", min=1)]
-EstimatorName = Annotated[str, typer.Option(help="How variograms are estimated.")]
+EstimatorName = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help=f"How variograms are estimated: {', '.join(ESTIMATORS)}, or module:attribute.",
+        autocompletion=one_of(ESTIMATORS),
+        rich_help_panel=STRATEGY,
+    ),
+]
 EstimatorSettings = Annotated[
     list[str] | None,
     typer.Option(
         "--estimator-setting",
         metavar="NAME=NUMBER",
         help="Parameter of the estimator, such as median_range=60; may be repeated.",
+        rich_help_panel=STRATEGY,
     ),
 ]
 StrategySettings = Annotated[
@@ -45,6 +57,7 @@ StrategySettings = Annotated[
         "--strategy-setting",
         metavar="NAME=VALUE",
         help="Parameter of the strategy, such as way=0.8; may be repeated.",
+        rich_help_panel=STRATEGY,
     ),
 ]
 Allow = Annotated[
@@ -52,39 +65,53 @@ Allow = Annotated[
     typer.Option(
         metavar="MODULE",
         help="Module whose strategies a survey file may name and run; may be repeated.",
+        rich_help_panel=STRATEGY,
     ),
 ]
-CellSize = Annotated[float, typer.Option(help="Side of a cell in m.")]
-ConeArea = Annotated[
-    float, typer.Option(help="Base area of the cone in mm2: 130 or 323 as a rule.")
+Seed = Annotated[
+    int,
+    typer.Option(help="Seed of all chance.", metavar="N", min=0, rich_help_panel=STRATEGY),
 ]
-
-Edges = Annotated[str, typer.Option(help="Edges of the depth layers in m, comma-separated.")]
-
-_FREE = Rates()
-_NONE: Mapping[str, float] = MappingProxyType({})
+World = Literal["simulated", "riseholme"]
+"""Soils of a simulated robot, by name."""
 DEFAULT_EDGES = "0,0.05,0.1,0.15,0.2,0.25,0.3,0.35,0.4"
 
 
-def settings_of(
-    field: Field,
-    strategy: str,
-    samples: int,
-    seed: int,
-    *,
-    estimator: str = DEFAULT_ESTIMATOR,
-    refit_every: int = 1,
-    metres: float = math.inf,
-    minutes: float = math.inf,
-    mean_kv: float = 0.0,
-    money: float = math.inf,
-    rates: Rates = _FREE,
-    goals: tuple[Goal, ...] = (),
-    strategy_settings: Mapping[str, float | str] = _NONE,
-    estimator_settings: Mapping[str, float] = _NONE,
-    drift: DriftRule = "auto",
-    allowed: Allowed = NOBODY,
-) -> Settings:
+@dataclass(frozen=True)
+class MethodOptions:
+    """By which methods to survey, as the command line says it.
+
+    Attributes
+    ----------
+    strategy, strategy_setting
+        Where to probe.
+    estimator, estimator_setting, refit_every, drift
+        How variograms are estimated, and which layers follow the covariate.
+    seed
+        Seed of the strategy's chance, and of a simulated soil.
+    allow
+        Modules whose code a survey file may name.
+    """
+
+    strategy: StrategyName = DEFAULT_STRATEGY
+    strategy_setting: StrategySettings = None
+    estimator: EstimatorName = DEFAULT_ESTIMATOR
+    estimator_setting: EstimatorSettings = None
+    refit_every: Annotated[
+        int,
+        typer.Option(metavar="N", help="Samples between refits.", min=1, rich_help_panel=STRATEGY),
+    ] = 1
+    drift: Drift = "auto"
+    seed: Seed = 0
+    allow: Allow = None
+
+    @property
+    def allowed(self) -> Allowed:
+        """Modules whose code may be run: see :func:`allowed_by`."""
+        return allowed_by(self.allow, self.strategy, self.estimator)
+
+
+def settings_of(field: Field, method: MethodOptions, limits: LimitOptions) -> Settings:
     """How to survey a field, as options say.
 
     Raises
@@ -93,24 +120,26 @@ def settings_of(
         If strategy or estimator are unknown, there are fewer cells than samples, or the limits
         leave no room for one stop.
     """
-    strategy_named(strategy, dict(strategy_settings), allowed)
-    estimator_named(estimator, field.extent_m, estimator_settings, allowed)
+    goals, allowed = limits.goals, method.allowed
+    own, known = values(method.strategy_setting), numbers(method.estimator_setting)
+    strategy_named(method.strategy, own, allowed)
+    estimator_named(method.estimator, field.extent_m, known, allowed)
     settings = Settings(
         start=field.entrance,
-        strategy=strategy,
-        strategy_settings=dict(strategy_settings),
-        estimator=estimator,
-        estimator_settings=dict(estimator_settings),
-        refit_every=refit_every,
-        seed=seed,
-        samples=samples,
-        metres=metres,
-        minutes=minutes,
-        mean_kv=mean_kv,
-        money=money,
-        rates=rates,
+        strategy=method.strategy,
+        strategy_settings=own,
+        estimator=method.estimator,
+        estimator_settings=known,
+        refit_every=method.refit_every,
+        seed=method.seed,
+        samples=limits.samples,
+        metres=limits.metres,
+        minutes=limits.minutes,
+        mean_kv=limits.kv,
+        money=limits.money,
+        rates=limits.rates,
         goals=goals,
-        drift=drift,
+        drift=method.drift,
     )
     return checked(settings, field)
 
@@ -186,6 +215,3 @@ def layers_of(text: str) -> Layers:
             where="--layers",
             remedy="edges in metres, such as 0,0.1,0.2,0.4",
         ) from None
-
-
-__all__ = ["DEFAULT_ESTIMATOR", "DEFAULT_STRATEGY"]

@@ -10,44 +10,113 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from subsoil.cli.parsing import OUTPUT
+from subsoil.cli.words import label, text
 from subsoil.errors import printable
+from subsoil.units import METRIC, System, Units
 
-AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-Seed = Annotated[int, typer.Option(help="Seed of everything random.", min=0)]
-Out = Annotated[Path, typer.Option(help="Folder to write to; made if missing.")]
+AsJson = Annotated[
+    bool,
+    typer.Option("--json", help="Print the result as JSON.", rich_help_panel=OUTPUT),
+]
+Out = Annotated[
+    Path,
+    typer.Option(
+        metavar="DIR", help="Folder to write to; made if missing.", rich_help_panel=OUTPUT
+    ),
+]
 
-_LABELS = {"metres": "way (m)", "minutes": "time (min)", "mean_kv": "mean KV (kPa²)"}
-_PIPE_COLUMNS = 160
-_UNITS = {"ha": "ha", "kpa": "kPa", "kpa2": "kPa²", "mm2": "mm²", "m": "m", "gib": "GiB"}
+Shown = Annotated[
+    System,
+    typer.Option(
+        "--units",
+        help="Units of what is shown: kPa, m, ha, or psi, ft, acres. Files and JSON stay metric.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+
+_GAP = "  "
+_WORDY = 30
+"""Letters from which on a column of words may be wrapped."""
 
 Advance = Callable[[int, str], None]
 """Told how far the work is and what to say about it."""
 
 
-def tell(result: Mapping[str, object], as_json: bool) -> None:
-    """Print a result as JSON or as a table of names and values."""
+def tell(result: Mapping[str, object], as_json: bool, units: Units = METRIC) -> None:
+    """Print a result: as JSON, or as lines of names and values without those that are empty.
+
+    Several words are one to a line. What does not go to a terminal has a tab between name and
+    value, and the name on each line.
+    """
     if as_json:
         print(json.dumps(_plain(result), indent=2))
         return
-    table = Table.grid(padding=(0, 2))
-    for name, value in result.items():
-        table.add_row(_label(name), _shown(value))
-    _console().print(table)
+    rows = [(label(name, units), _lines(name, value, units)) for name, value in result.items()]
+    console = _console()
+    if not console.is_terminal:
+        for name, lines in rows:
+            for line in lines:
+                print(name, line, sep="\t")
+        return
+    table = Table.grid(padding=(0, 2, 0, 0))
+    for name, lines in rows:
+        if lines:
+            table.add_row(name, "\n".join(lines))
+    console.print(table)
 
 
-def tell_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-    """Print rows under a title, for people."""
-    lines = (printable(line) for line in title.split("\n"))
-    table = Table(title="\n".join(lines), title_justify="left")
-    for k, name in enumerate(columns):
-        table.add_column(_label(name), justify="right" if k else "left")
-    for row in rows:
-        table.add_row(*(_shown(value) for value in row))
-    _console().print(table)
+def say(line: str) -> None:
+    """Print a sentence, broken between words where a terminal ends."""
+    console = _console()
+    console.print(printable(line), soft_wrap=not console.is_terminal)
+
+
+def tell_table(
+    title: str,
+    columns: Sequence[str],
+    rows: Sequence[Sequence[object]],
+    units: Units = METRIC,
+) -> None:
+    """Print rows under a title and under the names of their columns, for people.
+
+    On a terminal no number is cut: columns that find no room beside the others come below, with
+    the first column again. What does not go to a terminal has a tab between columns.
+    """
+    if not rows:
+        return
+    console = _console()
+    heads = [label(name, units) for name in columns]
+    cells = [[text(n, v, units) for n, v in zip(columns, row, strict=True)] for row in rows]
+    print("\n" + "\n".join(printable(line) for line in title.split("\n")))
+    if not console.is_terminal:
+        for line in (heads, *cells):
+            print("\t".join(line).rstrip("\t"))
+        return
+    widths = [
+        max(map(cell_len, (*head.split(), *column)))
+        for head, column in zip(heads, zip(*cells, strict=True), strict=True)
+    ]
+    numeric = [all(isinstance(row[k], int | float) for row in rows) for k in range(len(columns))]
+    for n, part in enumerate(_side_by_side([min(w, _WORDY) for w in widths], console.width)):
+        if n:
+            print()
+        table = Table(box=None, padding=(0, 2, 0, 0), pad_edge=False, header_style="bold")
+        for k in part:
+            table.add_column(
+                heads[k].replace(" ", "\n") if numeric[k] else heads[k],
+                justify="right" if numeric[k] else "left",
+                vertical="bottom" if numeric[k] else "top",
+                no_wrap=widths[k] <= _WORDY,
+            )
+        for row in cells:
+            table.add_row(*(row[k] for k in part))
+        console.print(table)
 
 
 @contextmanager
@@ -73,21 +142,28 @@ def folder(path: Path) -> Path:
     return path
 
 
-def _label(name: str) -> str:
-    """Name of a number with its unit, for people."""
-    if name in _LABELS:
-        return _LABELS[name]
-    name = printable(name)
-    words, _, unit = name.rpartition("_")
-    return (
-        f"{words.replace('_', ' ')} ({_UNITS[unit]})" if unit in _UNITS else name.replace("_", " ")
-    )
+def _lines(name: str, value: object, units: Units) -> list[str]:
+    """Value on lines: several words one to a line; none if there is nothing to say."""
+    if isinstance(value, list | tuple) and all(isinstance(item, str | Path) for item in value):
+        return [text(name, item, units) for item in value]
+    empty = value in (None, "") or (isinstance(value, float) and math.isnan(value))
+    return [] if empty else [text(name, value, units)]
+
+
+def _side_by_side(widths: Sequence[int], room: int) -> Iterator[list[int]]:
+    """Columns that have room beside each other, with the first one each time."""
+    part, used = [0], widths[0]
+    for k, width in enumerate(widths[1:], start=1):
+        if len(part) > 1 and used + len(_GAP) + width > room:
+            yield part
+            part, used = [0], widths[0]
+        part.append(k)
+        used += len(_GAP) + width
+    yield part
 
 
 def _console() -> Console:
-    """Terminal as wide as it is; files and pipes as wide as any table."""
-    width = None if Console().is_terminal else _PIPE_COLUMNS
-    return Console(width=width, markup=False, emoji=False, highlight=False)
+    return Console(markup=False, emoji=False, highlight=False)
 
 
 def _plain(value: object) -> object:
@@ -98,19 +174,3 @@ def _plain(value: object) -> object:
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return str(value) if isinstance(value, Path) else value
-
-
-def _number(value: float) -> str:
-    if not math.isfinite(value):
-        return "-"
-    return f"{value:.1f}" if abs(value) >= 1000 else f"{value:.3f}".rstrip("0").rstrip(".")
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, float):
-        return _number(value)
-    if isinstance(value, Mapping):
-        return ", ".join(f"{printable(key)} {_shown(item)}" for key, item in value.items())
-    if isinstance(value, list | tuple):
-        return ", ".join(_shown(item) for item in value) or "-"
-    return printable(str(value))

@@ -2,70 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-from typing import Annotated
+from collections.abc import Iterator, Mapping
 
 import numpy as np
-import typer
 
-from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of, rule_named
+from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of
+from subsoil.cli.field import (
+    Block,
+    Boundary,
+    CellSize,
+    Crs,
+    Edges,
+    OptionalBoundary,
+    OptionalConeArea,
+    ReadingsFile,
+    ReadingUnit,
+)
 from subsoil.cli.material import Material, material_of
 from subsoil.cli.options import (
     DEFAULT_EDGES,
-    CellSize,
-    Edges,
     EstimatorName,
     EstimatorSettings,
     numbers,
 )
-from subsoil.cli.output import AsJson, Out, folder, progress, tell, tell_table
+from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
 from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
 from subsoil.kriging import LeaveOneOut, block_out
 from subsoil.kriging.memory import check_memory
-from subsoil.mapping.fit import Fits, fit, in_words
+from subsoil.mapping.fit import Fits, fit
 from subsoil.mapping.krige import krige
 from subsoil.mapping.skill import layer_scores, no_better_than_mean
+from subsoil.optional import FIGURES, GEOTIFF, require
 from subsoil.plots import readings_figures
+from subsoil.units import SYSTEMS, System, Units
 from subsoil.variogram import Estimator, Fit, LeastSquares, Pooled, estimator_named, name_of
 
-ReadingsFile = Annotated[
-    Path, typer.Argument(help="Readings (robot YAML or CSV) or a survey file.", metavar="READINGS")
-]
-OptionalBoundary = Annotated[
-    Path | None, typer.Option(help="Outline of the field; readings outside are refused.")
-]
-OptionalConeArea = Annotated[
-    float | None, typer.Option(help="Base area of the cone in mm2, where readings are forces.")
-]
-Units = Annotated[
-    str | None,
-    typer.Option(help="Unit of the readings where the file does not say: kpa, mpa, psi."),
-]
 _ESTIMATOR = "pmc"
 
 
 def make_map(
     readings: ReadingsFile,
-    boundary: Annotated[Path, typer.Option(help="Outline of the field.")],
+    boundary: Boundary,
     out: Out,
     cell: CellSize = 5.0,
     layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
     setting: EstimatorSettings = None,
     cone_area: OptionalConeArea = None,
-    units: Units = None,
-    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    reading_unit: ReadingUnit = None,
+    crs: Crs = None,
     covariate: CovariateFile = None,
     column: Column = None,
     drift: Drift = "auto",
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
+    require(GEOTIFF, FIGURES)
     field = read_field(boundary, crs=crs, cell_size=cell)
-    material = material_of(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
     chosen = estimator_named(estimator, field.extent_m, numbers(setting))
     check_memory(
         len(material.readings),
@@ -75,7 +72,7 @@ def make_map(
     )
     known = covariate_of(covariate, column, field, crs)
     found = material.readings
-    fits = fit(found, material.layers, chosen, covariate=known, drift=rule_named(drift))
+    fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
     soil_map = krige(field, found, fits)
     scores = _scores(material, fits)
     unskilled = _unskilled(material, scores)
@@ -93,9 +90,14 @@ def make_map(
         "maps": rasters,
         "figures": figures,
     }
-    tell({**result, "layers": _score_dicts(material, fits, scores)} if as_json else result, as_json)
-    if not as_json:
-        _tell_scores(material, fits, scores)
+    if as_json:
+        tell({**result, "layers": _score_dicts(material, fits, scores)}, as_json)
+        return
+    _tell(result, units)
+    _tell_scores(
+        "Leave-one-out (skill 0: no better than the mean, calibration 1: honest variances)",
+        material, _score_dicts(material, fits, scores), units,
+    )  # fmt: skip
 
 
 def variogram(
@@ -105,13 +107,14 @@ def variogram(
     estimator: EstimatorName = _ESTIMATOR,
     setting: EstimatorSettings = None,
     cone_area: OptionalConeArea = None,
-    units: Units = None,
-    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    reading_unit: ReadingUnit = None,
+    crs: Crs = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show empirical variograms with pair counts, and what was fitted to them."""
     field = read_field(boundary, crs=crs) if boundary else None
-    material = material_of(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
     chosen = estimator_named(estimator, material.readings.extent_m, numbers(setting))
     if not isinstance(chosen, LeastSquares):
         check_memory(len(material.readings))
@@ -121,15 +124,16 @@ def variogram(
         reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
         tell({**_about(material), **posterior, "layers": reports}, as_json)
         return
-    tell({**_about(material), **posterior}, as_json)
-    for name, each in zip(material.layers.names, fits, strict=True):
+    _tell({**_about(material), **posterior}, units)
+    for name, each in zip(SYSTEMS[units].layers(material.layers), fits, strict=True):
         bins = each.empirical
         tell_table(
-            f"{name}: {in_words(each)}\n{each.why}",
-            ("lag m", "pairs", "semivariance kPa2"),
+            f"{name}: {_in_words(each, SYSTEMS[units])}\n{each.why}",
+            ("lag_m", "pairs", "semivariance_kpa2"),
             list(
                 zip(bins.lag.tolist(), bins.pairs.tolist(), bins.semivariance.tolist(), strict=True)
             ),
+            SYSTEMS[units],
         )
 
 
@@ -139,15 +143,16 @@ def cv(
     layers: Edges = DEFAULT_EDGES,
     estimator: EstimatorName = _ESTIMATOR,
     setting: EstimatorSettings = None,
-    block: Annotated[float, typer.Option(help="Side in m of the blocks left out together.")] = 50.0,
+    block: Block = 50.0,
     cone_area: OptionalConeArea = None,
-    units: Units = None,
-    crs: Annotated[str | None, typer.Option(help="Frame of files in metres.")] = None,
+    reading_unit: ReadingUnit = None,
+    crs: Crs = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     field = read_field(boundary, crs=crs) if boundary else None
-    material = material_of(readings, layers, field, crs, cone_area, units)
+    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
     found = material.readings
     check_memory(len(found), systems=material.systems(alike=False), layers=len(material.layers))
     chosen = estimator_named(estimator, found.extent_m, numbers(setting))
@@ -171,12 +176,8 @@ def cv(
     if as_json:
         tell({**about, "block_m": block, "layers": rows}, as_json)
         return
-    tell(about, as_json)
-    tell_table(
-        f"Leave-one-out and {block:g} m blocks, {len(found)} samples",
-        list(rows[0]),
-        [list(row.values()) for row in rows],
-    )
+    _tell(about, units)
+    _tell_scores(f"Leave-one-out and {block:g} m blocks", material, rows, units)
 
 
 def _scores(material: Material, fits: Fits) -> list[LeaveOneOut]:
@@ -234,12 +235,25 @@ def _score_dicts(
     ]
 
 
-def _tell_scores(material: Material, fits: Fits, scores: list[LeaveOneOut]) -> None:
-    rows = _score_dicts(material, fits, scores)
-    tell_table(
-        "Leave-one-out (skill 0 = no better than the mean, calibration 1 = honest variances)",
-        list(rows[0]),
-        [list(row.values()) for row in rows],
+def _tell(result: Mapping[str, object], units: System) -> None:
+    """Print what a file holds, for people: rows of a file are left out, not refused."""
+    names = {"refused": "left out"}
+    tell({names.get(k, k): value for k, value in result.items()}, False, SYSTEMS[units])
+
+
+def _tell_scores(
+    title: str, material: Material, rows: list[dict[str, object]], units: System
+) -> None:
+    names = SYSTEMS[units].layers(material.layers)
+    shown = [[n, *list(row.values())[1:]] for n, row in zip(names, rows, strict=True)]
+    tell_table(title, list(rows[0]), shown, SYSTEMS[units])
+
+
+def _in_words(fit: Fit, units: Units) -> str:
+    model = fit.variogram
+    return (
+        f"{name_of(model)}, nugget {units.variance.text(model.nugget)}, "
+        f"sill {units.variance.text(model.sill)}, range {units.length.text(model.range)}"
     )
 
 

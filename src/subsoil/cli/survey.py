@@ -5,53 +5,79 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Annotated
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import typer
 
-from subsoil.cli import limits as enough
-from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of, rule_named
-from subsoil.cli.inspect import summary
+from subsoil.cli.covariate import Column, CovariateFile, covariate_of
+from subsoil.cli.field import Boundary, CellSize, ConeArea, Crs, Edges, KeepOuts
+from subsoil.cli.inspect import summary, tell_survey
+from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
     DEFAULT_EDGES,
-    DEFAULT_ESTIMATOR,
-    DEFAULT_STRATEGY,
     Allow,
-    Boundary,
-    CellSize,
-    ConeArea,
-    Edges,
-    EstimatorName,
-    EstimatorSettings,
-    Samples,
-    StrategyName,
-    StrategySettings,
+    MethodOptions,
     SurveyFile,
+    World,
     allowed_by,
     layers_of,
-    numbers,
     settings_of,
-    values,
 )
-from subsoil.cli.output import AsJson, Seed, progress, tell
-from subsoil.errors import JournalError, ParameterError, brief
+from subsoil.cli.output import AsJson, Shown, progress, tell
+from subsoil.cli.parsing import FIELD, ROBOT, grouped
+from subsoil.errors import JournalError, brief
 from subsoil.io.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
 from subsoil.registry import Allowed
 from subsoil.reports import Refused, Sampled
 from subsoil.simulation import Machine, Truth
-from subsoil.stopping import Rates
 from subsoil.survey import LocalDispatch, Survey, fold, opening
 from subsoil.survey.events import Configured, Event, Planned, Simulation
 from subsoil.survey.simulated import SIMULATED, simulation_of, work
+from subsoil.units import SYSTEMS
 from subsoil.worlds import soil_of, truth_of
 
 Faster = Annotated[
     float,
-    typer.Option(help="Times faster than a real robot the simulated one works.", min=0.001),
+    typer.Option(
+        metavar="TIMES",
+        help="How many times faster than a real robot it works.",
+        show_default="at once",
+        min=0.001,
+        rich_help_panel=ROBOT,
+    ),
 ]
+
+
+@dataclass(frozen=True)
+class RobotOptions:
+    """What carries the penetrometer, as the command line says it.
+
+    Attributes
+    ----------
+    robot
+        Which robot: there is the simulated one.
+    world
+        Soil that it probes: the survey's own if none is named.
+    faster
+        How many times faster than a real one it works.
+    """
+
+    robot: Annotated[
+        Literal["sim"],
+        typer.Option(help="What carries the penetrometer.", rich_help_panel=ROBOT),
+    ] = "sim"
+    world: Annotated[
+        World | None,
+        typer.Option(
+            help="Soil that it probes.",
+            show_default="the survey's own, else simulated",
+            rich_help_panel=ROBOT,
+        ),
+    ] = None
+    faster: Faster = math.inf
 
 
 def init(
@@ -59,16 +85,16 @@ def init(
     boundary: Boundary,
     cell: CellSize = 5.0,
     cone_area: ConeArea = 130.0,
-    cone_angle: Annotated[float, typer.Option(help="Apex angle of the cone in degrees.")] = 30.0,
+    cone_angle: Annotated[
+        float,
+        typer.Option(metavar="DEG", help="Apex angle of the cone.", rich_help_panel=FIELD),
+    ] = 30.0,
     layers: Edges = DEFAULT_EDGES,
-    keep_outs: Annotated[
-        Path | None, typer.Option(help="Areas not to probe, in the same formats.")
-    ] = None,
-    crs: Annotated[
-        str | None, typer.Option(help="Frame of a boundary that does not name one.")
-    ] = None,
+    keep_outs: KeepOuts = None,
+    crs: Crs = None,
     covariate: CovariateFile = None,
     column: Column = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Start a survey of a field."""
@@ -89,78 +115,41 @@ def init(
         "force_limit_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
         "notes": field.notes,
     }
-    tell(result, as_json)
+    tell(result, as_json, SYSTEMS[units])
 
 
+@grouped
 def run(
     survey: SurveyFile,
-    robot: Annotated[str, typer.Option(help="What carries the penetrometer: sim.")] = "sim",
-    strategy: StrategyName = DEFAULT_STRATEGY,
-    samples: Samples = 30,
-    seed: Seed = 0,
-    estimator: EstimatorName = DEFAULT_ESTIMATOR,
-    strategy_setting: StrategySettings = None,
-    estimator_setting: EstimatorSettings = None,
-    refit_every: Annotated[int, typer.Option(help="Samples between refits.", min=1)] = 1,
-    world: Annotated[
-        str | None,
-        typer.Option(
-            help="Soil of the simulated robot: simulated or riseholme.",
-            show_default="the survey's own, else simulated",
-        ),
-    ] = None,
-    metres: enough.Metres = math.inf,
-    minutes: enough.Minutes = math.inf,
-    money: enough.Money = math.inf,
-    rate_hour: enough.RateHour = 0.0,
-    rate_km: enough.RateKm = 0.0,
-    rate_sample: enough.RateSample = 0.0,
-    call_out: enough.CallOut = 0.0,
-    currency: enough.Currency = "EUR",
-    target_rmse: enough.Target = None,
-    probability: enough.Probability = None,
-    threshold_kpa: enough.Threshold = None,
-    decided: enough.Decided = None,
-    confidence: enough.Confidence = None,
-    min_gain: enough.MinGain = None,
-    kv: enough.MeanKv = 0.0,
-    drift: Drift = "auto",
-    faster: Faster = math.inf,
-    allow: Allow = None,
+    method: MethodOptions,
+    limits: LimitOptions,
+    robot: RobotOptions,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Survey: drive a robot from stop to stop until there is enough. Ctrl-C is safe."""
-    if robot != "sim":
-        raise ParameterError(f"there is no robot {robot!r}", where="--robot", remedy="sim")
-    goals = enough.goals(target_rmse, probability, threshold_kpa, decided, confidence, min_gain)
-    rule = rule_named(drift)
-    allowed = allowed_by(allow, strategy, estimator)
+    allowed = method.allowed
     with open_journal(survey) as journal:
         state = fold(journal.events())
-        settings = settings_of(
-            state.field, strategy, samples, seed,
-            estimator=estimator, refit_every=refit_every,
-            metres=metres, minutes=minutes, mean_kv=kv, money=money, goals=goals,
-            rates=Rates(rate_hour, rate_km, rate_sample, call_out, currency),
-            strategy_settings=values(strategy_setting),
-            estimator_settings=numbers(estimator_setting),
-            drift=rule, allowed=allowed,
-        )  # fmt: skip
-        truth, simulation = _soil(state, world, seed)
+        settings = settings_of(state.field, method, limits)
+        truth, simulation = _soil(state, robot.world, method.seed)
         with _working(journal, state, settings.samples, allowed) as dispatch:
             dispatch.record(Configured(settings=settings))
             dispatch.join(SIMULATED, "simulator", simulation=simulation)
-            work(dispatch, truth, faster)
-    tell({**summary(dispatch.survey), "notes": (*journal.notes, *dispatch.survey.notes)}, as_json)
+            work(dispatch, truth, robot.faster)
+    notes = (*journal.notes, *dispatch.survey.notes)
+    tell_survey({**summary(dispatch.survey), "notes": notes}, as_json, units)
 
 
 def resume(
     survey: SurveyFile,
     fresh_battery: Annotated[
-        bool, typer.Option("--fresh-battery", help="The robot got a full battery.")
+        bool,
+        typer.Option("--fresh-battery", help="It got a full battery.", rich_help_panel=ROBOT),
     ] = False,
     faster: Faster = math.inf,
     allow: Allow = None,
+    units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Go on with a survey that was stopped, exactly as if it had not been."""
@@ -172,7 +161,8 @@ def resume(
             if fresh_battery:
                 dispatch.swap_battery(SIMULATED)
             work(dispatch, truth, faster)
-    tell({**summary(dispatch.survey), "notes": (*journal.notes, *dispatch.survey.notes)}, as_json)
+    notes = (*journal.notes, *dispatch.survey.notes)
+    tell_survey({**summary(dispatch.survey), "notes": notes}, as_json, units)
 
 
 @contextmanager

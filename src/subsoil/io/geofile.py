@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -15,10 +13,11 @@ from numpy.typing import NDArray
 from shapely.errors import ShapelyError
 from shapely.geometry import MultiPolygon, Polygon
 
-from subsoil.errors import BoundaryError, InputError, MissingExtraError, brief, listed
+from subsoil.errors import BoundaryError, InputError, brief, listed
 from subsoil.io.alone import alone
 from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, frame, left_alone
 from subsoil.io.text import check_file
+from subsoil.optional import load
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,8 @@ def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:
         If pyogrio is not installed.
     """
     check_file(path, wrong)
-    pyogrio = _pyogrio(path)
+    what = f"reading {path.suffix} files"
+    pyogrio = load("pyogrio", "geo", what, where=path.name, instead="save it as GeoJSON")
     with alone(path, wrong) as copy:
         _check_prj(copy.with_suffix(".prj"), path, wrong)
         try:
@@ -149,14 +149,3 @@ def _named(layers: list[tuple[str, str]], kind: str, file: str, wrong: type[Inpu
             remedy="save a file with that layer alone",
         )
     return names[0]
-
-
-def _pyogrio(path: Path) -> ModuleType:
-    try:
-        return import_module("pyogrio")
-    except ImportError as error:
-        raise MissingExtraError(
-            f"reading {path.suffix} files needs pyogrio, which is not installed",
-            where=path.name,
-            remedy="pip install 'subsoil[geo]', or save it as GeoJSON",
-        ) from error

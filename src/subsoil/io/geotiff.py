@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.errors import MissingExtraError, ReadingsError, brief
+from subsoil.errors import ReadingsError, brief
 from subsoil.io.alone import alone
 from subsoil.land.field import Field
+from subsoil.optional import GEOTIFF, load
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +44,7 @@ def read_geotiff(path: Path, field: Field, crs: str | None) -> Floats:
     MissingExtraError
         If rasterio is not installed.
     """
-    rasterio = _rasterio(path)
+    rasterio = load(*GEOTIFF, where=path.name, instead="save points as CSV")
     try:
         with (
             alone(path, ReadingsError) as copy,
@@ -91,7 +90,7 @@ def _frame(raster: Any, field: Field, crs: str | None, file: str) -> str:
 
 
 def _averaged(raster: Any, field: Field, home: str) -> Floats:
-    warp, affine = import_module("rasterio.warp"), import_module("rasterio").Affine
+    warp, affine = load("rasterio.warp", *GEOTIFF[1:]), load(*GEOTIFF).Affine
     grid, size = field.grid, field.cell_size
     west, north = grid.easting[0] - size / 2, grid.northing[-1] + size / 2
     image = np.full((len(grid.northing), len(grid.easting)), np.nan)
@@ -108,14 +107,3 @@ def _averaged(raster: Any, field: Field, home: str) -> Floats:
     )
     values: Floats = image[::-1][grid.inside]
     return values
-
-
-def _rasterio(path: Path) -> ModuleType:
-    try:
-        return import_module("rasterio")
-    except ImportError as error:
-        raise MissingExtraError(
-            f"reading {path.suffix} files needs rasterio, which is not installed",
-            where=path.name,
-            remedy="pip install 'subsoil[geo]', or save points as CSV",
-        ) from error

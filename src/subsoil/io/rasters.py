@@ -16,7 +16,7 @@ from subsoil.land.crs import named_crs
 from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.mapping.uncertainty import standard_deviation
-from subsoil.optional import load
+from subsoil.optional import GEOTIFF, load
 
 Floats = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def _write(
     path: Path, bands: Floats, names: tuple[str, ...], field: Field, about: Mapping[str, str]
 ) -> Path:
     """Write bands (m, ny, nx), rows from south to north, and what to know of them."""
-    rasterio = load("rasterio", "geo", "a GeoTIFF")
+    rasterio = load(*GEOTIFF)
     size, grid = field.cell_size, field.grid
     west, north = grid.easting[0] - size / 2, grid.northing[-1] + size / 2
     with (

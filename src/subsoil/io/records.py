@@ -137,6 +137,6 @@ def kpa_per_unit(said: str, given: str | None, cone: Cone | None, where: str) ->
         raise ReadingsError(
             f"unit {unit!r} is unknown" if unit else "it names no unit of pressure",
             where=where,
-            remedy="name columns like kpa_10cm, or give --units kpa, mpa, psi or n",
+            remedy="name columns like kpa_10cm, or give --reading-unit kpa, mpa, psi or n",
         )
     return KPA[unit]

@@ -7,7 +7,8 @@ import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from subsoil.errors import MissingExtraError, printable
+from subsoil.errors import printable
+from subsoil.optional import FIGURES, load
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -129,14 +130,8 @@ def blank(size: tuple[float, float], title: str, caption: str) -> Figure:
     MissingExtraError
         If matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError(
-            "figures need matplotlib, which is not installed", remedy="pip install 'subsoil[plot]'"
-        ) from error
     width, height = size
-    figure = Figure(figsize=size, facecolor="white")
+    figure: Figure = load("matplotlib.figure", *FIGURES[1:]).Figure(figsize=size, facecolor="white")
     for text, down, points, colour in ((title, 0.14, TITLE, INK), (caption, 0.42, TEXT, FAINT)):
         figure.text(
             0.2 / width,

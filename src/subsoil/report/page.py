@@ -5,12 +5,12 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module, resources
+from importlib import resources
 from pathlib import Path
-from types import ModuleType
 
-from subsoil.errors import MissingExtraError, printable
+from subsoil.errors import printable
 from subsoil.io.whole import whole
+from subsoil.optional import REPORT, load
 from subsoil.plots.album import DPI, survey_figures
 from subsoil.report.wording import headline, notes, rows
 from subsoil.survey import Survey
@@ -124,7 +124,7 @@ def render(
     MissingExtraError
         If jinja2 is not installed.
     """
-    jinja2 = _jinja2()
+    jinja2 = load(*REPORT)
     environment = jinja2.Environment(
         autoescape=True,
         finalize=lambda value: printable(value) if isinstance(value, str) else value,
@@ -150,12 +150,3 @@ def _picture(path: Path) -> Picture:
     pixels = int.from_bytes(png[16:20], "big")
     source = "data:image/png;base64," + base64.b64encode(png).decode("ascii")
     return Picture(path.name, _CAPTIONS[path.stem], source, pixels * _SCREEN_DPI // DPI)
-
-
-def _jinja2() -> ModuleType:
-    try:
-        return import_module("jinja2")
-    except ImportError as error:
-        raise MissingExtraError(
-            "the report needs jinja2, which is not installed", remedy="pip install 'subsoil[plot]'"
-        ) from error
