@@ -57,7 +57,7 @@ def strategy_named(
 
     Examples
     --------
-    >>> name = "subsoil.strategies.named:greedy"
+    >>> name = "subsoil.strategies:greedy"
     >>> own = strategy_named(name, allowed=Allowed.by_name(name))
     >>> strategy_named("greedy") is own
     True
