@@ -10,11 +10,19 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from subsoil.errors import SubsoilError
+    from subsoil.io.boundary import read_field
+    from subsoil.io.readings import read_readings
     from subsoil.kriging import OrdinaryKriging, Prediction, condition
     from subsoil.land.field import Field
     from subsoil.layers import Layers, LayerState, Sample
+    from subsoil.mapping.fit import Fits, fit
+    from subsoil.mapping.krige import krige
     from subsoil.mapping.soilmap import SoilMap
     from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, Cone, Insertion, Profile, profile
+    from subsoil.readings import Readings
+    from subsoil.strategies.planning import plan
+    from subsoil.strategies.view import Plan, View
+    from subsoil.survey.simulated import simulate
     from subsoil.variogram.models import (
         BoundedLinear,
         Circular,
@@ -32,6 +40,14 @@ if TYPE_CHECKING:
     __version__: str
 
 _HOMES = {
+    "readings": ("Readings",),
+    "io.boundary": ("read_field",),
+    "io.readings": ("read_readings",),
+    "mapping.fit": ("Fits", "fit",),
+    "mapping.krige": ("krige",),
+    "strategies.planning": ("plan",),
+    "strategies.view": ("Plan", "View",),
+    "survey.simulated": ("simulate",),
     "errors": ("SubsoilError",),
     "land.field": ("Field",),
     "kriging": ("OrdinaryKriging", "Prediction", "condition"),
@@ -69,6 +85,7 @@ __all__ = [
     "Cone",
     "Exponential",
     "Field",
+    "Fits",
     "Gaussian",
     "Insertion",
     "LayerState",
@@ -76,16 +93,25 @@ __all__ = [
     "Matern32",
     "Matern52",
     "OrdinaryKriging",
+    "Plan",
     "Power",
     "Prediction",
     "Profile",
     "PureNugget",
+    "Readings",
     "Sample",
     "SoilMap",
     "Spherical",
     "SubsoilError",
     "Variogram",
+    "View",
     "condition",
+    "fit",
+    "krige",
+    "plan",
     "profile",
+    "read_field",
+    "read_readings",
     "semivariance",
+    "simulate",
 ]
