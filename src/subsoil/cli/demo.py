@@ -20,7 +20,7 @@ from subsoil.cli.options import (
     allowed_by,
     settings_of,
 )
-from subsoil.cli.output import AsJson, Out, Shown, folder, progress
+from subsoil.cli.output import AsJson, Out, Shown, folder, progress, resumable
 from subsoil.cli.parsing import FIELD, OUTPUT, grouped
 from subsoil.errors import JournalError
 from subsoil.io.rasters import write_geotiffs
@@ -109,10 +109,13 @@ def _survey(
     journal: Journal, settings: Settings, truth: Truth, simulation: Simulation
 ) -> tuple[Survey, tuple[Progress, ...]]:
     history: list[Progress] = []
-    with progress("surveying", settings.samples) as advance:
+    with resumable(), progress("surveying", settings.samples, first="planning") as advance:
 
         def follow(survey: Survey, event: Event) -> None:
-            if not isinstance(event, Planned) or not survey.taken:
+            if not isinstance(event, Planned):
+                return
+            if not survey.taken:
+                advance(0, "")
                 return
             history.append(_progress(survey, truth))
             advance(survey.taken, _in_short(history[-1]))

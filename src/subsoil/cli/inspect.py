@@ -12,7 +12,7 @@ import typer
 
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import Allow, MethodOptions, SurveyFile, allowed_by, settings_of
-from subsoil.cli.output import AsJson, Shown, folder, progress, say, tell, tell_table
+from subsoil.cli.output import AsJson, Shown, folder, progress, say, tell, tell_table, working
 from subsoil.cli.parsing import OUTPUT, grouped
 from subsoil.errors import ParameterError
 from subsoil.io.whole import whole
@@ -52,7 +52,8 @@ def plan(
     state, allowed = fold(read_survey(survey).events), method.allowed
     if not state.method:
         state = apply(state, Configured(settings=settings_of(state.field, method, limits)))
-    state, _ = settled(state, allowed)
+    with working("planning"):
+        state, _ = settled(state, allowed)
     stops = _next(state)
     way = length(state.access, state.position, state.access.at[list(stops)])
     result: dict[str, object] = {
