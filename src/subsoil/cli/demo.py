@@ -44,6 +44,7 @@ from subsoil.survey import (
     opening,
 )
 from subsoil.survey.events import Configured, Event, Planned, Simulation
+from subsoil.units import SYSTEMS
 from subsoil.worlds import SIMULATED, demo_field, robot_of, simulation_of, truth_of
 
 _FILE = "survey.gpkg"
@@ -94,7 +95,9 @@ def demo(
     fits = fits_of(survey)
     rasters = write_geotiffs(survey.soil_map, out)
     _, digest = last_event(path)
-    report = write_report(survey, history, fits, out, fingerprint=fingerprint(digest))
+    report = write_report(
+        survey, history, fits, out, fingerprint=fingerprint(digest), units=SYSTEMS[units]
+    )
     result = {
         **summary(survey),
         "rmse_kpa": history[-1].rmse,
