@@ -5,7 +5,9 @@ TEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n auto
 BIN = .venv/bin
 READY = .venv/.ready
 
-.PHONY: demo test test-all check bench clean
+OLDEST = .venv-oldest/bin
+
+.PHONY: demo test test-all test-oldest check bench clean
 
 demo: $(READY)
 	$(BIN)/subsoil demo --out demo --overwrite
@@ -17,6 +19,16 @@ test: $(READY)
 test-all: $(READY)
 	tools/install_system.sh
 	$(TEST)
+
+# Fast tests with the oldest releases that pyproject.toml allows, of what it names itself.
+test-oldest: .venv-oldest/.ready
+	OPENBLAS_NUM_THREADS=1 $(OLDEST)/python -m pytest -n auto -m "not slow and not gis"
+
+.venv-oldest/.ready: pyproject.toml
+	$(PYTHON) -m venv --clear .venv-oldest
+	$(OLDEST)/python -m pip install --quiet uv
+	$(OLDEST)/uv pip install --quiet --python $(OLDEST)/python --resolution lowest-direct --editable '.[dev]'
+	@touch $@
 
 check: $(READY)
 	$(BIN)/ruff format --check .
@@ -38,5 +50,5 @@ $(READY): pyproject.toml
 	@touch $(READY)
 
 clean:
-	rm -rf .venv demo bench-results build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf .venv .venv-oldest demo bench-results build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

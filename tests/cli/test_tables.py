@@ -157,3 +157,14 @@ def test_scores_name_layers_in_inches_where_asked(cli: Cli, readings: Path) -> N
     shown = cli("cv", readings, "--layers", "0,0.05,0.1", "--units", "us").out
     assert "\n0.0-2.0 in\t12\t" in shown
     assert "mean (psi)" in shown
+
+
+def test_the_report_of_a_demonstration_speaks_the_units_asked_for(cli: Cli, tmp_path: Path) -> None:
+    cli("demo", "--out", tmp_path, "--samples", 4, "--units", "us")
+    page = re.sub(r"data:image/png;base64,[^\"]*", "", (tmp_path / "report.html").read_text())
+    table, _, rest = page.partition("What to know before")
+    assert "5.4 acres, " in table
+    assert "psi" in table
+    assert "kPa" not in table
+    assert "Mean, psi" in rest
+    assert "0.0-2.0 in" in rest

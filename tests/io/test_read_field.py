@@ -433,8 +433,11 @@ def write_geofile(path: Path, shapes: list[Any], roles: list[str], crs: str | No
     raw.write(
         path,
         np.array([shapely.to_wkb(shape) for shape in shapes], dtype=object),
-        [np.array(roles, dtype=object)],
-        ["role"],
+        [
+            np.array([f"part {k}" for k in range(len(roles))], dtype=object),
+            np.array(roles, dtype=object),
+        ],
+        ["name", "role"],
         geometry_type=shapes[0].geom_type,
         crs=crs,
         driver=DRIVERS[path.suffix],

@@ -90,13 +90,13 @@ def run(arguments: list[str]) -> int:
     except SubsoilError as error:
         return _say(str(error), error.exit_code)
     except typer.TyperException as error:
-        return _say(error.format_message(), 2)
+        return _say(error.format_message(), 2) if error.format_message() else 2
     except (typer.Abort, KeyboardInterrupt):
         code = _INTERRUPTED
     except OSError as error:
         return _say(f"{error.filename or 'disk'}: {error.strerror or error}", 3)
     if code == _INTERRUPTED:
-        return _say("stopped; nothing recorded is lost, go on with `subsoil resume`", 3)
+        return _say("stopped", 3)
     return code if isinstance(code, int) else 0
 
 

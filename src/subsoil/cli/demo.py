@@ -19,7 +19,7 @@ from subsoil.cli.options import (
     allowed_by,
     settings_of,
 )
-from subsoil.cli.output import AsJson, Out, Shown, folder, progress
+from subsoil.cli.output import AsJson, Out, Shown, folder, progress, resumable
 from subsoil.cli.parsing import FIELD, OUTPUT, grouped
 from subsoil.errors import JournalError
 from subsoil.io.rasters import write_geotiffs
@@ -43,6 +43,7 @@ from subsoil.survey import (
 )
 from subsoil.survey.events import Configured, Event, Planned, Simulation
 from subsoil.survey.simulated import SIMULATED, simulation_of, work
+from subsoil.units import SYSTEMS
 from subsoil.worlds import demo_field, truth_of
 
 _FILE = "survey.gpkg"
@@ -93,7 +94,9 @@ def demo(
     fits = fits_of(survey)
     rasters = write_geotiffs(survey.soil_map, out)
     _, digest = last_event(path)
-    report = write_report(survey, history, fits, out, fingerprint=fingerprint(digest))
+    report = write_report(
+        survey, history, fits, out, fingerprint=fingerprint(digest), units=SYSTEMS[units]
+    )
     result = {
         **summary(survey),
         "rmse_kpa": history[-1].rmse,
@@ -108,10 +111,13 @@ def _survey(
     journal: Journal, settings: Settings, truth: Truth, simulation: Simulation
 ) -> tuple[Survey, tuple[Progress, ...]]:
     history: list[Progress] = []
-    with progress("surveying", settings.samples) as advance:
+    with resumable(), progress("surveying", settings.samples, first="planning") as advance:
 
         def follow(survey: Survey, event: Event) -> None:
-            if not isinstance(event, Planned) or not survey.taken:
+            if not isinstance(event, Planned):
+                return
+            if not survey.taken:
+                advance(0, "")
                 return
             history.append(_progress(survey, truth))
             advance(survey.taken, _in_short(history[-1]))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +11,7 @@ import typer
 
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import Allow, MethodOptions, SurveyFile, allowed_by, settings_of
-from subsoil.cli.output import AsJson, Shown, folder, progress, say, tell, tell_table
+from subsoil.cli.output import AsJson, Shown, folder, progress, say, tell, tell_table, working
 from subsoil.cli.parsing import OUTPUT, grouped
 from subsoil.errors import ParameterError
 from subsoil.io.whole import whole
@@ -22,6 +21,7 @@ from subsoil.land.field import Field
 from subsoil.optional import FIGURES, require
 from subsoil.plots import outlook_curve
 from subsoil.plots.album import DPI
+from subsoil.report.wording import in_units
 from subsoil.survey import Survey, apply, fold, settled
 from subsoil.survey.events import Configured, Event, Opened
 from subsoil.survey.outlook import (
@@ -34,7 +34,7 @@ from subsoil.survey.outlook import (
     too_sure,
 )
 from subsoil.survey.progress import progress_of
-from subsoil.units import SYSTEMS, System, Units
+from subsoil.units import SYSTEMS, System
 from subsoil.ways.routing import length
 
 _ROWS = {1, 2, 3, 5, 10, 15, 20, 30, 40}
@@ -52,7 +52,8 @@ def plan(
     state, allowed = fold(read_survey(survey).events), method.allowed
     if not state.method:
         state = apply(state, Configured(settings=settings_of(state.field, method, limits)))
-    state, _ = settled(state, allowed)
+    with working("planning"):
+        state, _ = settled(state, allowed)
     stops = _next(state)
     way = length(state.access, state.position, state.access.at[list(stops)])
     result: dict[str, object] = {
@@ -104,7 +105,7 @@ def status(
         }
         tell({**result, **numbers}, as_json)
         return
-    say(_in_units(state, prospects, SYSTEMS[units]))
+    say(in_units(state, prospects, SYSTEMS[units]))
     tell_survey(result, as_json, units)
     tell_table("What more would buy", *_forecast_table(prospects), SYSTEMS[units])
 
@@ -189,15 +190,6 @@ def tell_survey(result: Mapping[str, object], as_json: bool, units: System = "me
 def _next(survey: Survey) -> tuple[int, ...]:
     """Cells still to visit: those on somebody's way first."""
     return (*(lease.cell for lease in survey.leases), *survey.plan.cells)
-
-
-def _in_units(survey: Survey, prospects: Outlook, units: Units) -> str:
-    """Say how good the map is and what more would buy, with errors in some unit."""
-    unit = units.pressure
-    ahead = tuple(replace(entry, rmse=unit.factor * entry.rmse) for entry in prospects.ahead)
-    error = replace(prospects.error, kv=units.variance.factor * prospects.error.kv)
-    shown = replace(prospects, rmse=unit.factor * prospects.rmse, error=error, ahead=ahead)
-    return in_words(survey, shown).replace(" kPa", f" {unit.name}")
 
 
 def _draw(events: Sequence[Event], prospects: Outlook, path: Path) -> Path:

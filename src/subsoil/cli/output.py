@@ -12,12 +12,21 @@ from typing import Annotated
 import typer
 from rich.cells import cell_len
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 
 from subsoil.cli.parsing import OUTPUT
 from subsoil.cli.words import label, text
-from subsoil.errors import printable
+from subsoil.errors import SubsoilError, printable
 from subsoil.units import METRIC, System, Units
 
 AsJson = Annotated[
@@ -120,20 +129,63 @@ def tell_table(
 
 
 @contextmanager
-def progress(what: str, total: int) -> Iterator[Advance]:
-    """Show progress with a rate on a terminal; quiet when piped."""
+def progress(what: str, total: int, *, first: str = "") -> Iterator[Advance]:
+    """Show progress with a rate on a terminal, from the start; quiet when piped.
+
+    Parameters
+    ----------
+    what
+        What is done.
+    total
+        How many times.
+    first
+        What is done before the first time, if that takes long.
+    """
+    with _live(BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()) as bar:
+        task = bar.add_task(printable(first or what), total=total, note="")
+
+        def advance(done: int, note: str) -> None:
+            bar.update(task, completed=done, note=printable(note), description=printable(what))
+
+        yield advance
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Show on a terminal that something long is being done; quiet when piped."""
+    with _live(TimeElapsedColumn(), transient=True) as line:
+        line.add_task(printable(what), total=None, note="")
+        yield
+
+
+@contextmanager
+def resumable() -> Iterator[None]:
+    """Say after Ctrl-C how to go on.
+
+    Raises
+    ------
+    SubsoilError
+        After Ctrl-C.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise SubsoilError(
+            "stopped; nothing recorded is lost, go on with `subsoil resume`"
+        ) from None
+
+
+def _live(*columns: ProgressColumn, transient: bool = False) -> Progress:
     console = Console(stderr=True)
-    with Progress(
+    return Progress(
+        SpinnerColumn(),
         TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
+        *columns,
         TextColumn("{task.fields[note]}", markup=False),
-        TimeRemainingColumn(),
         console=console,
         disable=not console.is_terminal,
-    ) as bar:
-        task = bar.add_task(printable(what), total=total, note="")
-        yield lambda done, note: bar.update(task, completed=done, note=printable(note))
+        transient=transient,
+    )
 
 
 def folder(path: Path) -> Path:

@@ -24,7 +24,7 @@ from subsoil.cli.options import (
     layers_of,
     settings_of,
 )
-from subsoil.cli.output import AsJson, Shown, progress, tell
+from subsoil.cli.output import AsJson, Shown, progress, resumable, tell
 from subsoil.cli.parsing import FIELD, ROBOT, grouped
 from subsoil.errors import JournalError, brief
 from subsoil.io.boundary import read_field
@@ -170,7 +170,7 @@ def _working(
     journal: Journal, state: Survey, samples: int, allowed: Allowed
 ) -> Iterator[LocalDispatch]:
     """Dispatch of a survey that shows its progress."""
-    with progress("surveying", samples) as advance:
+    with resumable(), progress("surveying", samples, first="planning") as advance:
 
         def show(survey: Survey, event: Event) -> None:
             if isinstance(event, Sampled | Refused | Planned):

@@ -15,6 +15,7 @@ from subsoil.plots.album import DPI, survey_figures
 from subsoil.report.wording import headline, notes, rows
 from subsoil.survey import Survey
 from subsoil.survey.progress import Progress
+from subsoil.units import METRIC, Units
 from subsoil.variogram import Fit
 
 _TEMPLATE = "page.html.j2"
@@ -63,6 +64,7 @@ def write_report(
     *,
     title: str = "",
     fingerprint: str = "",
+    units: Units = METRIC,
 ) -> Path:
     """Write ``report.html`` and the pictures in it as PNG files; returns the path of the page.
 
@@ -82,6 +84,8 @@ def write_report(
         Heading of the page. Default: the name of the survey.
     fingerprint
         Of the survey file's events, as ``subsoil status`` prints it; shown if given.
+    units
+        What its tables and its outlook are in. Pictures and notes are metric.
 
     Raises
     ------
@@ -94,7 +98,9 @@ def write_report(
     """
     paths = survey_figures(survey, history, fits, folder)
     pictures = [_picture(path) for path in paths]
-    text = render(survey, history, fits, pictures, title=title, fingerprint=fingerprint)
+    text = render(
+        survey, history, fits, pictures, title=title, fingerprint=fingerprint, units=units
+    )
     path = Path(folder) / "report.html"
     with whole(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
@@ -109,12 +115,13 @@ def render(
     *,
     title: str = "",
     fingerprint: str = "",
+    units: Units = METRIC,
 ) -> str:
     """Return the HTML of a report.
 
     Parameters
     ----------
-    survey, history, fits, title, fingerprint
+    survey, history, fits, title, fingerprint, units
         As in :func:`write_report`.
     pictures
         What to show, in order.
@@ -135,8 +142,9 @@ def render(
     source = resources.files("subsoil.report").joinpath(_TEMPLATE).read_text(encoding="utf-8")
     text: str = environment.from_string(source).render(
         title=title or survey.name,
-        headline=dict(headline(survey, history)),
-        layers=rows(survey, fits),
+        headline=dict(headline(survey, history, units)),
+        layers=rows(survey, fits, units),
+        units=units,
         notes=tuple(notes(survey, history, fits)),
         pictures=pictures,
         finished=survey.finished,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,8 +14,9 @@ from subsoil.mapping.soilmap import SoilMap
 from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.plots.semivariance import remark
 from subsoil.survey import Survey
-from subsoil.survey.outlook import in_words, outlook
+from subsoil.survey.outlook import Outlook, in_words, outlook
 from subsoil.survey.progress import Progress
+from subsoil.units import METRIC, Units
 from subsoil.variogram import Fit, name_of
 
 
@@ -31,26 +32,32 @@ class Row:
     remark: str
 
 
-def headline(survey: Survey, history: Sequence[Progress]) -> Iterator[tuple[str, str]]:
+def headline(
+    survey: Survey, history: Sequence[Progress], units: Units = METRIC
+) -> Iterator[tuple[str, str]]:
     """Names and values of the first table."""
     field = survey.field
     yield "Field", field.name
-    yield "Area", f"{field.area_ha:.2f} ha, {len(field.cells)} cells of {field.cell_size:g} m"
+    yield (
+        "Area",
+        f"{units.area.text(field.area_ha)}, {len(field.cells)} cells of "
+        f"{units.length.text(field.cell_size)}",
+    )
     yield "CRS", field.crs or "none: a local frame"
     yield "Samples", str(survey.taken)
     yield "Stops without a reading", str(len(survey.refused))
-    yield "Way driven", f"{survey.metres:.0f} m"
+    yield "Way driven", units.length.text(survey.metres)
     yield "Time", f"{survey.minutes:.0f} min"
     settings = survey.settings
     if not settings.rates.free:
         yield "Cost", f"{survey.spent.money:,.0f} {settings.rates.currency}"
-    yield "Mean kriging variance", _variance(survey.mean_kv)
+    yield "Mean kriging variance", _variance(survey.mean_kv, units)
     if survey.taken > 1:
-        yield "Outlook", in_words(survey, outlook(survey))
+        yield "Outlook", in_units(survey, outlook(survey), units)
     if history and math.isfinite(history[-1].rmse):
         last = history[-1]
         after = _count(last.samples, "sample", "samples")
-        yield "RMSE", f"{last.rmse:.0f} kPa against the simulated truth after {after}"
+        yield "RMSE", f"{units.pressure.text(last.rmse)} against the simulated truth after {after}"
     if survey.method:
         yield "Strategy", settings.strategy
         every = f"{settings.refit_every} samples" if settings.refit_every > 1 else "sample"
@@ -72,32 +79,48 @@ def _origin(survey: Survey) -> str:
     return ", ".join(f"{agent.name} ({agent.kind})" for agent in survey.agents) or "none"
 
 
-def _variance(kpa2: float) -> str:
+def in_units(survey: Survey, prospects: Outlook, units: Units) -> str:
+    """Say how good the map is and what more would buy, with errors in some unit."""
+    unit = units.pressure
+    ahead = tuple(replace(entry, rmse=unit.factor * entry.rmse) for entry in prospects.ahead)
+    error = replace(prospects.error, kv=units.variance.factor * prospects.error.kv)
+    shown = replace(prospects, rmse=unit.factor * prospects.rmse, error=error, ahead=ahead)
+    return in_words(survey, shown).replace(" kPa", f" {unit.name}")
+
+
+def _variance(kpa2: float, units: Units) -> str:
     if math.isnan(kpa2):
         return "unknown: one sample tells no variance"
-    return f"{kpa2:,.0f} kPa², a standard deviation of {float(standard_deviation(kpa2)):.0f} kPa"
+    deviation = units.pressure.text(float(standard_deviation(kpa2)))
+    variance = units.variance
+    return f"{variance.factor * kpa2:,.0f} {variance.name}, a standard deviation of {deviation}"
 
 
-def rows(survey: Survey, fits: Sequence[Fit]) -> tuple[Row, ...]:
+def rows(survey: Survey, fits: Sequence[Fit], units: Units = METRIC) -> tuple[Row, ...]:
     """Table of layers: mean and spread of the map, its standard deviation, and its variogram."""
     soil_map = survey.soil_map
     deviation = standard_deviation(soil_map.variance)
     used = soil_map.kriged_with
+    scale, square = units.pressure.factor, units.variance.factor
     return tuple(
         Row(
             name,
             _whole(
                 np.isfinite(soil_map.kpa[k]).sum(),
-                soil_map.mean[k].mean(),
-                soil_map.mean[k].std(),
-                deviation[k].mean(),
+                scale * soil_map.mean[k].mean(),
+                scale * soil_map.mean[k].std(),
+                scale * deviation[k].mean(),
             ),
             name_of(fit.variogram),
-            _whole(fit.variogram.nugget, fit.variogram.sill, fit.variogram.range),
+            _whole(
+                square * fit.variogram.nugget,
+                square * fit.variogram.sill,
+                units.length.factor * fit.variogram.range,
+            ),
             fit.why,
             remark(fit, used[k]),
         )
-        for k, (name, fit) in enumerate(zip(soil_map.layers.names, fits, strict=True))
+        for k, (name, fit) in enumerate(zip(units.layers(soil_map.layers), fits, strict=True))
     )
 
 
