@@ -62,6 +62,7 @@ def test_every_verb_has_an_example_of_itself() -> None:
     assert list(EXAMPLES) == list(COMMANDS)
     for verb, lines in EXAMPLES.items():
         assert all(line.startswith(f"subsoil {verb}") for line in lines)
+        assert all(len(line) <= 78 for line in lines)
 
 
 @pytest.mark.parametrize("verb", COMMANDS)

@@ -429,15 +429,14 @@ DRIVERS = {".gpkg": "GPKG", ".shp": "ESRI Shapefile", ".kml": "KML"}
 
 
 def write_geofile(path: Path, shapes: list[Any], roles: list[str], crs: str | None) -> None:
-    raw = pytest.importorskip("pyogrio").raw
-    raw.write(
+    pyogrio = pytest.importorskip("pyogrio")
+    if path.suffix == ".kml" and "LIBKML" not in pyogrio.list_drivers():
+        pytest.skip("GDAL's older driver writes a role as a second name")
+    pyogrio.raw.write(
         path,
         np.array([shapely.to_wkb(shape) for shape in shapes], dtype=object),
-        [
-            np.array([f"part {k}" for k in range(len(roles))], dtype=object),
-            np.array(roles, dtype=object),
-        ],
-        ["name", "role"],
+        [np.array(roles, dtype=object)],
+        ["role"],
         geometry_type=shapes[0].geom_type,
         crs=crs,
         driver=DRIVERS[path.suffix],

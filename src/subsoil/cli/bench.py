@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -31,7 +32,7 @@ from subsoil.bench.truths import land_of
 from subsoil.cli.examples import epilog
 from subsoil.cli.options import allowed_by
 from subsoil.cli.output import AsJson, folder, progress, tell
-from subsoil.cli.parsing import COMPARISON, OUTPUT, WORK, Verb, Verbs, some_of
+from subsoil.cli.parsing import COMPARISON, OUTPUT, WORK, Verb, Verbs, grouped, some_of
 from subsoil.errors import ParameterError, SubsoilError, printable
 from subsoil.strategies import STRATEGIES
 from subsoil.variogram import ESTIMATORS
@@ -52,9 +53,20 @@ def _option(help_: str, metavar: str, panel: str = COMPARISON, **more: Any) -> A
     return typer.Option(help=help_, metavar=metavar, rich_help_panel=panel, **more)
 
 
-@app.command(cls=Verb, epilog=epilog("bench run"))
-def run(
-    out: Annotated[Path, _option("Folder of the benchmark; made if missing.", "DIR", OUTPUT)],
+@dataclass(frozen=True)
+class ComparisonOptions:
+    """What to compare, as the command line says it.
+
+    Attributes
+    ----------
+    protocol, fields, seed, boundary
+        Which soils, and how they are read.
+    strategies, estimator
+        Who surveys them.
+    samples
+        Where they are compared.
+    """
+
     protocol: Annotated[
         Protocol,
         typer.Option(
@@ -62,9 +74,9 @@ def run(
             help=f"How soils are drawn and read: {', '.join(get_args(Protocol))}.",
             rich_help_panel=COMPARISON,
         ),
-    ] = "surrogate",
-    fields: Annotated[int, _option("Number of fields.", "N")] = 20,
-    seed: Annotated[int, _option("Seed of all chance.", "N", min=0)] = 0,
+    ] = "surrogate"
+    fields: Annotated[int, _option("Number of fields.", "N")] = 20
+    seed: Annotated[int, _option("Seed of all chance.", "N", min=0)] = 0
     strategies: Annotated[
         str,
         _option(
@@ -73,10 +85,10 @@ def run(
             show_default="all",
             autocompletion=some_of(STRATEGIES),
         ),
-    ] = ",".join(STRATEGIES),
+    ] = ",".join(STRATEGIES)
     samples: Annotated[
         str, _option("Numbers of samples to compare at, comma-separated.", "N,N,...")
-    ] = "15,20,30,50",
+    ] = "15,20,30,50"
     estimator: Annotated[
         str | None,
         _option(
@@ -85,10 +97,22 @@ def run(
             show_default="paper-10 for the paper's, pmc for others",
             autocompletion=some_of(ESTIMATORS),
         ),
-    ] = None,
+    ] = None
     boundary: Annotated[
         Path | None, _option("Outline of the field, instead of the protocol's own.", "FILE")
-    ] = None,
+    ] = None
+
+    @property
+    def setting(self) -> Setting:
+        """Setting of what was given; its field and real readings are there if it needs them."""
+        return _setting(self.protocol, self.seed, self.samples, self.boundary)
+
+
+@app.command(cls=Verb, epilog=epilog("bench run"))
+@grouped
+def run(
+    out: Annotated[Path, _option("Folder of the benchmark; made if missing.", "DIR", OUTPUT)],
+    comparison: ComparisonOptions,
     dask: Annotated[
         str | None, _option("Address of a Dask scheduler, or local.", "ADDRESS", WORK)
     ] = None,
@@ -102,11 +126,11 @@ def run(
 
     A folder can be added to: with more fields, strategies or estimators and all else equal.
     """
-    setting = _setting(protocol, seed, samples, boundary)
-    names = _names(strategies), _names(estimator or "")
+    setting = comparison.setting
+    names = _names(comparison.strategies), _names(comparison.estimator or "")
     allowed_by(None, *names[0], *names[1])
     entrants = entrants_of(*names)
-    benchmark = Benchmark(setting, fields, entrants)
+    benchmark = Benchmark(setting, comparison.fields, entrants)
     enter(folder(out), benchmark)
     waiting = [task for task in benchmark.tasks if not kept(out, task)]
     count = workers or os.cpu_count() or 1

@@ -46,6 +46,21 @@ from subsoil.survey.simulated import SIMULATED, simulation_of, work
 from subsoil.units import SYSTEMS
 from subsoil.worlds import demo_field, truth_of
 
+DemoField = Annotated[
+    World,
+    typer.Option(
+        help="A simulated field, or the surrogate of the paper's real one.",
+        rich_help_panel=FIELD,
+    ),
+]
+Overwrite = Annotated[
+    bool,
+    typer.Option(
+        "--overwrite",
+        help="Replace the survey of an earlier demonstration.",
+        rich_help_panel=OUTPUT,
+    ),
+]
 _FILE = "survey.gpkg"
 
 
@@ -53,24 +68,11 @@ _FILE = "survey.gpkg"
 def demo(
     limits: LimitOptions,
     out: Out = Path("demo"),
-    field: Annotated[
-        World,
-        typer.Option(
-            help="A simulated field, or the surrogate of the paper's real one.",
-            rich_help_panel=FIELD,
-        ),
-    ] = "simulated",
+    field: DemoField = "simulated",
     strategy: StrategyName = DEFAULT_STRATEGY,
     estimator: EstimatorName = DEFAULT_ESTIMATOR,
     seed: Seed = 0,
-    overwrite: Annotated[
-        bool,
-        typer.Option(
-            "--overwrite",
-            help="Replace the survey of an earlier demonstration.",
-            rich_help_panel=OUTPUT,
-        ),
-    ] = False,
+    overwrite: Overwrite = False,
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:

@@ -16,17 +16,15 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "resume": ("subsoil resume survey.gpkg",),
     "status": ("subsoil status survey.gpkg", "subsoil status survey.gpkg --units us"),
     "withdraw": ('subsoil withdraw survey.gpkg REPORT --reason "hit a stone"',),
-    "map": ("subsoil map readings.csv --boundary field.geojson --out maps --layers 0,0.1,0.2",),
-    "variogram": ("subsoil variogram readings.csv --layers 0,0.1,0.2",),
+    "map": ("subsoil map readings.csv --boundary field.geojson --out maps --layers 0,.1,.2",),
+    "variogram": ("subsoil variogram readings.csv",),
     "cv": ("subsoil cv readings.csv --layers 0,0.1,0.2 --block 40",),
     "replay": ("subsoil replay survey.gpkg --at 12",),
     "verify": ("subsoil verify survey.gpkg",),
     "strategies": ("subsoil strategies", "subsoil strategies --json"),
     "doctor": ("subsoil doctor",),
-    "bench run": (
-        "subsoil bench run --out compare --fields 2 --strategies random,joint --samples 9",
-    ),
-    "bench report": ("subsoil bench report compare",),
+    "bench run": ("subsoil bench run --out duel --fields 2 --strategies random,joint --samples 9",),
+    "bench report": ("subsoil bench report duel",),
 }
 """Command lines by verb, for a folder with field.geojson and readings.csv."""
 

@@ -102,7 +102,9 @@ def tell_table(
     console = _console()
     heads = [label(name, units) for name in columns]
     cells = [[text(n, v, units) for n, v in zip(columns, row, strict=True)] for row in rows]
-    print("\n" + "\n".join(printable(line) for line in title.split("\n")))
+    print()
+    for sentence in title.split("\n"):
+        say(sentence)
     if not console.is_terminal:
         for line in (heads, *cells):
             print("\t".join(line).rstrip("\t"))

@@ -95,7 +95,7 @@ def make_map(
         return
     _tell(result, units)
     _tell_scores(
-        "Leave-one-out (skill 0: no better than the mean, calibration 1: honest variances)",
+        "Leave-one-out (skill 0: no better than the mean; calibration 1: honest)",
         material, _score_dicts(material, fits, scores), units,
     )  # fmt: skip
 
