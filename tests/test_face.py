@@ -7,9 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import subsoil as ss
 from subsoil.errors import ParameterError, ReadingsError
+
+Floats = NDArray[np.float64]
 
 OUTLINE = [
     [-0.5262, 53.2610], [-0.5244, 53.2610], [-0.5244, 53.2622], [-0.5262, 53.2622],
@@ -58,22 +61,38 @@ def test_ten_lines_lead_from_files_to_a_map_a_plan_and_a_survey(files: tuple[Pat
     assert run.metres > 0
 
 
-def test_an_estimator_of_ones_own_gives_models_and_is_named_where_it_fails(
-    files: tuple[Path, Path],
-) -> None:
+def fixed(at: Floats, z: Floats) -> list[ss.Spherical]:  # noqa: ARG001 - it knows beforehand
+    return [ss.Spherical(100.0, 50.0, 900.0) for _ in z]
+
+
+def failing(at: Floats, z: Floats) -> list[ss.Spherical]:  # noqa: ARG001
+    if np.isfinite(z[-1]).sum() == 3:
+        raise ZeroDivisionError("nothing to divide by")
+    return [ss.Spherical(100.0, 50.0, 900.0) for _ in z]
+
+
+def test_an_estimator_of_ones_own_may_give_models(files: tuple[Path, Path]) -> None:
     boundary, table = files
-    readings = ss.read_readings(table, field=ss.read_field(boundary))
-    layers = ss.Layers((0.0, 0.05, 0.10))
+    field = ss.read_field(boundary)
+    fits = ss.fit(ss.read_readings(table, field=field), ss.Layers((0.0, 0.05, 0.10)), fixed)
+    assert fits.variograms == (ss.Spherical(100.0, 50.0, 900.0),) * 2
+    run = ss.simulate(field, "area-split", samples=3, estimator=fixed)
+    assert set(run.soil_map.variograms) == {ss.Spherical(100.0, 50.0, 900.0)}
 
-    def fixed(at: np.ndarray, z: np.ndarray) -> list[ss.Spherical]:  # noqa: ARG001 - knows it all
-        return [ss.Spherical(100.0, 50.0, 900.0) for _ in z]
 
-    def failing(at: np.ndarray, z: np.ndarray) -> list[ss.Spherical]:
-        return [ss.Spherical(100.0, 50.0 / (len(at) - 30), 900.0) for _ in z]
-
-    assert ss.fit(readings, layers, fixed).variograms == (ss.Spherical(100.0, 50.0, 900.0),) * 2  # type: ignore[arg-type]
-    with pytest.raises(ParameterError, match=r"layer 0\.00-0\.05 m: it failed: ZeroDiv"):
-        ss.fit(readings, layers, failing)  # type: ignore[arg-type]
+def test_an_estimator_that_fails_in_a_layer_is_named_with_the_layer() -> None:
+    field = ss.Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)])
+    at = [(5.0, 5.0), (25.0, 15.0), (45.0, 35.0)]
+    kpa = [[900.0, 950.0], [800.0, 810.0], [700.0, 770.0]]
+    readings = ss.Readings.of(at, [0.1, 0.2], kpa, field=field)
+    with pytest.raises(ParameterError, match="failing: it failed in layer 1: ZeroDivisionError"):
+        ss.fit(readings, ss.Layers((0.0, 0.1, 0.2)), failing)
+    with pytest.raises(ParameterError, match="failing: it failed in layer 1: ZeroDivisionError"):
+        ss.simulate(field, "area-split", samples=4, estimator=failing)
+    with pytest.raises(ParameterError, match="gave 5 for layer 1, which is no variogram"):
+        ss.fit(readings, ss.Layers((0.0, 0.1)), lambda *_: [5])  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="gave 1 variograms for 2 layers"):
+        ss.fit(readings, ss.Layers((0.0, 0.1, 0.2)), lambda *_: [ss.Spherical(1.0, 2.0, 3.0)])
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.errors import ParameterError, SubsoilError, brief
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.layers import Layers
 from subsoil.mapping.drift_choice import DriftRule, learn
@@ -20,7 +19,7 @@ from subsoil.variogram import (
     Estimator,
     Fit,
     Nested,
-    empirical_layers,
+    Own,
     estimator_named,
     name_of,
 )
@@ -79,7 +78,7 @@ class Fits:
 def fit(
     readings: Readings,
     layers: Layers = DEFAULT_LAYERS,
-    estimator: str | Estimator = DEFAULT_ESTIMATOR,
+    estimator: str | Estimator | Own = DEFAULT_ESTIMATOR,
     *,
     covariate: Covariate = NO_COVARIATE,
     drift: DriftRule = "auto",
@@ -116,59 +115,8 @@ def fit(
     """
     name, allowed = handed_over(estimator)
     chosen = estimator_named(name, readings.extent_m, allowed=allowed)
-    checked = _Checked(name, chosen, layers)
-    learnt = learn(readings.at, readings.layer_means(layers), covariate, checked, drift)
+    learnt = learn(readings.at, readings.layer_means(layers), covariate, chosen, drift)
     return Fits(layers, learnt.fits, covariate, learnt.drift)
-
-
-@dataclass(frozen=True)
-class _Checked:
-    """An estimator whose answer is looked at."""
-
-    name: str
-    estimator: Estimator
-    layers: Layers
-
-    def __call__(self, at: Floats, z: Floats) -> tuple[Fit, ...]:
-        try:
-            found = tuple(self.estimator(at, z))
-        except SubsoilError:
-            raise
-        except Exception as error:
-            raise ParameterError(
-                f"it failed: {type(error).__name__}: {brief(str(error), 200)}",
-                where=f"estimator {brief(self.name)}, layer {self._failing(at, z)}",
-                remedy="let it give a model for every layer, also one with few readings",
-            ) from error
-        if len(found) != len(z):
-            raise ParameterError(
-                f"it gave {len(found)} variograms for {len(z)} layers",
-                where=f"estimator {brief(self.name)}",
-                remedy="let it give one a layer",
-            )
-        bins = empirical_layers(at, z)
-        return tuple(
-            each if isinstance(each, Fit) else Fit(self._model(k, each), curve, False, self.name)
-            for k, (each, curve) in enumerate(zip(found, bins, strict=True))
-        )
-
-    def _failing(self, at: Floats, z: Floats) -> str:
-        """Name of the first layer that fails on its own; all of them if none does."""
-        for name, layer in zip(self.layers.names, z, strict=True):
-            try:
-                self.estimator(at, layer[None])
-            except Exception:  # whatever a user's code raises
-                return name
-        return "any"
-
-    def _model(self, layer: int, thing: object) -> Bounded | Nested:
-        if not isinstance(thing, Bounded | Nested):
-            raise ParameterError(
-                f"{brief(repr(thing))} is no variogram",
-                where=f"estimator {brief(self.name)}, layer {self.layers.names[layer]}",
-                remedy="let it give models such as Spherical(nugget, range, psill)",
-            )
-        return thing
 
 
 def in_words(fit: Fit) -> str:

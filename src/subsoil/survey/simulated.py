@@ -19,7 +19,7 @@ from subsoil.survey.events import Configured, Simulation
 from subsoil.survey.fold import opened, opening
 from subsoil.survey.settings import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, checked
 from subsoil.survey.state import Survey
-from subsoil.variogram import Estimator
+from subsoil.variogram import Estimator, Own
 
 SIMULATED = "simulated robot"
 """Name of the agent that a simulation is."""
@@ -38,7 +38,7 @@ def simulate(
     seed: int = 0,
     truth: Truth | None = None,
     layers: Layers = _LAYERS,
-    estimator: str | Estimator = DEFAULT_ESTIMATOR,
+    estimator: str | Estimator | Own = DEFAULT_ESTIMATOR,
     metres: float = math.inf,
     minutes: float = math.inf,
 ) -> Survey:

@@ -42,6 +42,7 @@ from subsoil.variogram.models import (
     semivariance,
 )
 from subsoil.variogram.nested import Nested, Structure, name_of
+from subsoil.variogram.own import Own
 from subsoil.variogram.pooled import Pooled
 from subsoil.variogram.posterior import Posterior
 from subsoil.variogram.reml import Reml
@@ -62,6 +63,7 @@ __all__ = [
     "Matern32",
     "Matern52",
     "Nested",
+    "Own",
     "Pooled",
     "Posterior",
     "Power",

@@ -28,6 +28,7 @@ from subsoil.variogram.fitting import (
     with_floor,
 )
 from subsoil.variogram.models import Bounded, BoundedLinear, Exponential, Matern32, Spherical
+from subsoil.variogram.own import Checked, Own
 from subsoil.variogram.pooled import EXTENT_M, Pooled
 from subsoil.variogram.reml import Reml
 
@@ -192,7 +193,7 @@ ESTIMATORS: dict[str, LeastSquares | Pooled | Reml] = {
 """Estimators by the name the command line and the journal use."""
 
 
-_REGISTRY: Registry[Estimator] = Registry("estimator", "subsoil.estimators", ESTIMATORS)
+_REGISTRY: Registry[Own] = Registry("estimator", "subsoil.estimators", ESTIMATORS)
 
 
 def estimator_named(
@@ -202,6 +203,8 @@ def estimator_named(
     allowed: Allowed = NOBODY,
 ) -> Estimator:
     """Estimator of a name, for a field of some size, with some parameters set.
+
+    One that is not built in may give models in place of fits, and its answers are looked at.
 
     Parameters
     ----------
@@ -228,14 +231,17 @@ def estimator_named(
     (90.0, 45.0)
     """
     found = _REGISTRY.named(name, allowed)
-    estimator = found
     if isinstance(found, Pooled) and name not in allowed.given:
-        estimator = found.scaled_to(extent_m)
-    if not settings:
-        return estimator
+        found = found.scaled_to(extent_m)
+    if settings:
+        found = _with_settings(name, found, settings)
+    return found if isinstance(found, LeastSquares | Pooled | Reml) else Checked(name, found)
+
+
+def _with_settings(name: str, estimator: Own, settings: Mapping[str, float]) -> Own:
     if not is_dataclass(estimator) or isinstance(estimator, type):
-        raise ParameterError(f"estimator {name} has no parameters", where="estimator")
-    changed: Estimator = replace(estimator, **_checked(name, estimator, settings))
+        raise ParameterError(f"estimator {brief(name)} has no parameters", where="estimator")
+    changed: Own = replace(estimator, **_checked(name, estimator, settings))
     return changed
 
 
