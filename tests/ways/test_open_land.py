@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from subsoil.agent import Arrival, Assignment
+from subsoil.journal.ahead import NOTHING_DRAWN
 from subsoil.journal.geopackage import geometry_of, initialise
-from subsoil.journal.gis import NOTHING_DRAWN, create, draw_targets
+from subsoil.journal.gis import create, draw_targets
 from subsoil.land.field import Field
 from subsoil.land.outline import Area
 from subsoil.layers import Layers, Sample

@@ -42,5 +42,5 @@ CORRELATION: dict[str, float] = {
 NORMALISED_RMSE = (3.61, 0.77, 0.31, 0.18, 0.18, None, 0.18, 0.18)
 """Table 1: RMSE over mean of each layer of 5 cm, hand survey against robot; 25-30 cm is absent."""
 
-HAND_READINGS, HAND_SPACING_M = 49, 25.0
-"""The paper's survey by hand: readings, and their approximate distance on a loose grid."""
+HAND_READINGS = 49
+"""Readings of the paper's survey by hand, about 25 m apart on a loose grid."""

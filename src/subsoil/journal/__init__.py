@@ -1,15 +1,8 @@
 """The survey file: one GeoPackage that holds every event, and shows the survey to any GIS."""
 
 from subsoil.journal.content import Content, fingerprint
-from subsoil.journal.file import (
-    Journal,
-    copy,
-    create,
-    last_event,
-    open_journal,
-    read_events,
-    read_survey,
-)
+from subsoil.journal.file import Journal, create, open_journal
+from subsoil.journal.look import copy, last_event, read_events, read_survey
 from subsoil.journal.verify import verify
 
 __all__ = [

@@ -20,6 +20,7 @@ from pathlib import Path
 
 from subsoil.errors import JournalError
 from subsoil.journal import gis, owner
+from subsoil.journal.ahead import NOTHING_DRAWN, Ahead
 from subsoil.journal.connection import check_file, check_survey, connect, explained, reading
 from subsoil.journal.content import (
     ANCHOR_COLUMNS,
@@ -35,7 +36,7 @@ from subsoil.journal.content import (
 )
 from subsoil.journal.geopackage import add_columns, add_table, initialise
 from subsoil.journal.lock import Lock, TakenError, busy, identity_of, lock
-from subsoil.journal.marks import marks, notes, refuse_left_behind
+from subsoil.journal.marks import notes, refuse_left_behind
 from subsoil.journal.publish import published
 from subsoil.journal.spatial_index import know_functions
 from subsoil.survey import Survey, opened
@@ -71,7 +72,7 @@ class Journal:
         self._last = content.last
         self._format = content.format
         self._srs = gis.srs_of(database)
-        self._drawn = gis.NOTHING_DRAWN
+        self._drawn = NOTHING_DRAWN
 
     def __enter__(self) -> Journal:
         return self
@@ -129,14 +130,14 @@ class Journal:
             self._database.close()
             self._held.release()
 
-    def _draw(self, event: Event, survey: Survey) -> gis.Ahead:
+    def _draw(self, event: Event, survey: Survey) -> Ahead:
         """Show an event in the layers; what is drawn of the stops still to make."""
         database = self._database
         if self._format < FORMAT:
             gis.redraw(database, self._srs, survey)
         else:
             gis.draw(database, self._srs, event, survey)
-        if self._drawn is gis.NOTHING_DRAWN:
+        if self._drawn is NOTHING_DRAWN:
             gis.clear_targets(database)
         return gis.draw_targets(database, self._srs, survey, self._drawn)
 
@@ -221,56 +222,6 @@ def open_journal(path: Path) -> Journal:
     except BaseException:
         held.release()
         raise
-
-
-def read_survey(path: Path) -> Content:
-    """Read a survey file, running or not, without touching it.
-
-    Raises
-    ------
-    JournalError
-        If it is missing or not a survey file, or of a newer format.
-    CorruptJournalError
-        If an event cannot be read, was changed, or is missing at the end.
-    """
-    with reading(path) as database:
-        return replace(content_of(database, path), notes=marks(database, path))
-
-
-def read_events(path: Path) -> tuple[Event, ...]:
-    """Events of a survey file, as :func:`read_survey` finds them."""
-    return read_survey(path).events
-
-
-def last_event(path: Path) -> Last:
-    """Number and digest of the last event of a survey file, whatever the others say.
-
-    Raises
-    ------
-    JournalError
-        If it is missing or not a survey file.
-    """
-    with reading(path) as database:
-        return last_of(database)
-
-
-def copy(path: Path, to: Path) -> None:
-    """Copy a survey file, running or not, with all that was acknowledged; never over another.
-
-    Raises
-    ------
-    JournalError
-        If it is missing or not a survey, or the copy cannot be written.
-    """
-    with reading(path) as database, published(to) as unfinished:
-        target = sqlite3.connect(unfinished, isolation_level=None)
-        try:
-            database.backup(target)
-            target.execute("PRAGMA journal_mode = DELETE")
-            if not marks(database, path):
-                owner.sign_off(target)
-        finally:
-            target.close()
 
 
 def _signed(database: sqlite3.Connection, path: Path, held: Lock) -> Content:

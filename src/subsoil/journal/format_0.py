@@ -10,7 +10,9 @@ from subsoil.layers import Layers, LayerState
 from subsoil.penetrometer import Profile, profile_of
 from subsoil.reports import Sampled
 from subsoil.survey import Survey
-from subsoil.survey.state import NOWHERE, Stop, mappable
+from subsoil.survey.agents import Stop
+from subsoil.survey.measured import mappable
+from subsoil.survey.state import NOWHERE
 from subsoil.ways.routing import way
 
 

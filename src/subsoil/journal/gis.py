@@ -6,21 +6,22 @@ import sqlite3
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from shapely.geometry import LineString, MultiPolygon, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import Polygon
 
+from subsoil.journal.ahead import Ahead, Target, ahead_of
 from subsoil.journal.geopackage import add_layer, insert
 from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState
 from subsoil.reports import Refused, Sampled
 from subsoil.survey import Survey, sample_of
+from subsoil.survey.agents import Stop
 from subsoil.survey.events import Amended, Event, Opened, Withdrawn
-from subsoil.survey.state import Stop, mappable, stop_of
-from subsoil.ways.access import Access
+from subsoil.survey.measured import mappable
+from subsoil.survey.state import stop_of
 from subsoil.ways.routing import way
 
 STATES = {
@@ -37,59 +38,6 @@ class Row:
 
     geometry: BaseGeometry
     values: Mapping[str, object]
-
-
-class Target(NamedTuple):
-    """A stop still to make, and the way to it.
-
-    Attributes
-    ----------
-    stop
-        Its number in the survey, from 1.
-    cell
-        Cell to probe.
-    agent
-        Who is on the way to it; empty while nobody is.
-    start
-        Where the way to it begins, easting and northing in m.
-    """
-
-    stop: int
-    cell: int
-    agent: str
-    start: tuple[float, float]
-
-
-class Ahead(NamedTuple):
-    """What is still to be done.
-
-    Attributes
-    ----------
-    on_way
-        Stops that agents are on their way to.
-    first
-        Number of the first planned stop.
-    cells
-        Cells of the planned stops.
-    start
-        Where the way to the first of them begins.
-    """
-
-    on_way: tuple[Target, ...] = ()
-    first: int = 1
-    cells: tuple[int, ...] = ()
-    start: tuple[float, float] = (0.0, 0.0)
-
-    def targets(self, access: Access, last: int | None = None) -> set[Target]:
-        """Stops on somebody's way, and the planned ones up to a number, or all."""
-        cells = self.cells if last is None else self.cells[: max(last + 1 - self.first, 0)]
-        centres = [(east, north) for east, north in access.at[list(cells)].tolist()]
-        ahead = zip(cells, [self.start, *centres], strict=False)
-        planned = (Target(n, cell, "", at) for n, (cell, at) in enumerate(ahead, self.first))
-        return {*self.on_way, *planned}
-
-
-NOTHING_DRAWN = Ahead()
 
 
 def kpa_columns(layers: Layers) -> tuple[str, ...]:
@@ -209,21 +157,6 @@ def draw_targets(database: sqlite3.Connection, srs: int, survey: Survey, drawn: 
         for table, row in target_rows(survey, target).items():
             insert(database, table, row.geometry, srs, row.values)
     return ahead
-
-
-def ahead_of(survey: Survey) -> Ahead:
-    """What is still to be done: a plan goes on from where the last stop handed out is."""
-    on_way: list[Target] = []
-    start, last = survey.position, -1
-    for agent in survey.agents:
-        here = agent.position
-        for lease in agent.leases:
-            on_way.append(Target(lease.number + 1, lease.cell, agent.name, here))
-            east, north = survey.access.at[lease.cell].tolist()
-            here = (east, north)
-            if lease.number > last:
-                start, last = here, lease.number
-    return Ahead(tuple(on_way), survey.assigned + 1, survey.plan.cells, start)
 
 
 def target_rows(survey: Survey, target: Target) -> dict[str, Row]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from subsoil.errors import CorruptJournalError, SubsoilError, brief, printable
 from subsoil.journal import format_0, gis
+from subsoil.journal.ahead import ahead_of
 from subsoil.journal.connection import reading
 from subsoil.journal.content import ROOT, Recorded, cut_off, digest_of, read_row, rows_of
 from subsoil.journal.foreign import foreign
@@ -171,7 +172,7 @@ def _rows(survey: Survey) -> dict[str, list[gis.Row]]:
         "targets": [],
         "route": [],
     }
-    for target in gis.ahead_of(survey).targets(survey.access):
+    for target in ahead_of(survey).targets(survey.access):
         for table, row in gis.target_rows(survey, target).items():
             rows[table].append(row)
     return rows

@@ -17,8 +17,9 @@ from subsoil.registry import NOBODY, Allowed
 from subsoil.strategies import Plan, View, planned, strategy_named
 from subsoil.survey.events import Event, Finished, Fitted, Planned
 from subsoil.survey.fold import apply
+from subsoil.survey.measured import estimator_of
 from subsoil.survey.records import fit_record
-from subsoil.survey.state import NEVER, Survey, estimator_of
+from subsoil.survey.state import NEVER, Survey
 
 _STRATEGY_STREAM = 2
 _FEW = 12

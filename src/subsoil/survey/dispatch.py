@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from threading import RLock
-from typing import Protocol
 
 from subsoil.agent import Assignment, Done, Wait
 from subsoil.errors import ReportError
@@ -31,32 +30,18 @@ from subsoil.survey.events import (
     Withdrawn,
 )
 from subsoil.survey.fold import apply
-from subsoil.survey.state import Lease, Survey
+from subsoil.survey.recorder import Observer, Recorder
+from subsoil.survey.requests import (
+    assignment_of,
+    check_decided,
+    check_here,
+    check_own,
+    reading_that_counts,
+)
+from subsoil.survey.state import Survey
 
 _OVERTAKEN = 2
 """Decisions made while reports come in, before one is made with them waiting."""
-
-
-class Recorder(Protocol):
-    """Keeps events."""
-
-    def append(self, event: Event, survey: Survey) -> None:
-        """Keep an event, with the state after it; returns when it cannot be lost any more."""
-
-
-class Memory:
-    """Recorder that keeps events in memory."""
-
-    def __init__(self) -> None:
-        self.events: list[Event] = []
-
-    def append(self, event: Event, survey: Survey) -> None:  # noqa: ARG002 - a Recorder
-        """Keep an event as long as the process lives."""
-        self.events.append(event)
-
-
-Observer = Callable[[Survey, Event], None]
-"""Told of every event and the state after it."""
 
 
 def utc_now() -> datetime:
@@ -142,13 +127,13 @@ class LocalDispatch:
     def leave(self, agent: str, reason: str = "") -> None:
         """Let an agent go; what it was to do is open again."""
         with self._lock:
-            self._check(agent)
+            check_here(self.survey, agent)
             self.record(Left(agent=agent, reason=reason))
 
     def swap_battery(self, agent: str) -> None:
         """Note that an agent got a full battery."""
         with self._lock:
-            self._check(agent)
+            check_here(self.survey, agent)
             self.record(BatterySwapped(agent=agent))
 
     def assign(self, agent: str, ahead: int = 1) -> Assignment | Wait | Done:
@@ -187,13 +172,8 @@ class LocalDispatch:
     def _known(self, agent: str, ahead: int) -> Assignment | Done | None:
         """What an agent is to do, where nothing has to be decided for it."""
         with self._lock:
-            self._check(agent)
-            if not self.survey.method:
-                raise ReportError(
-                    "nobody decided how to survey: with which strategy, and how far",
-                    where=self.survey.name,
-                    remedy="record a Configured first, as subsoil run does",
-                )
+            check_here(self.survey, agent)
+            check_decided(self.survey)
             self._release_lapsed()
             if self.survey.finished:
                 return Done(self.survey.finished)
@@ -222,7 +202,7 @@ class LocalDispatch:
             If it is not this agent's.
         """
         with self._lock:
-            self._own(agent, assignment)
+            check_own(self.survey, agent, assignment)
             self.record(Released(agent=agent, assignment=assignment, reason=reason))
 
     def skip(self, agent: str, assignment: str, reason: str) -> None:
@@ -234,7 +214,7 @@ class LocalDispatch:
             If it is not this agent's.
         """
         with self._lock:
-            self._own(agent, assignment)
+            check_own(self.survey, agent, assignment)
             position = self.survey.agent(agent).position
             kind = self.survey.agent(agent).kind
             self.report(
@@ -253,7 +233,7 @@ class LocalDispatch:
             If there is no such reading.
         """
         with self._lock:
-            reading = self._reading(report)
+            reading = reading_that_counts(self.survey, report)
             self.record(Withdrawn(report=report, reason=reason))
             return reading
 
@@ -266,39 +246,10 @@ class LocalDispatch:
             If there is no such reading, or the other cannot be true.
         """
         with self._lock:
-            self._reading(report)
+            reading_that_counts(self.survey, report)
             checked = admitted(self.survey, by, self._now())
             assert isinstance(checked, Sampled)
             self.record(Amended(report=report, reason=reason, by=checked))
-
-    def _reading(self, report: str) -> Sampled:
-        try:
-            return self.survey.reading(report)
-        except KeyError:
-            raise ReportError(
-                f"there is no reading {report!r} that counts",
-                where=self.survey.name,
-                remedy="give the id of a row of the layer samples",
-            ) from None
-
-    def _own(self, agent: str, assignment: str) -> None:
-        """Check that an assignment is an agent's."""
-        self._check(agent)
-        if not any(lease.id == assignment for lease in self.survey.agent(agent).leases):
-            raise ReportError(
-                f"{agent!r} does not hold the assignment {assignment!r}",
-                where=self.survey.name,
-                remedy="only the agent that holds a stop gives it back or leaves it out",
-            )
-
-    def _check(self, agent: str) -> None:
-        here = [each.name for each in self.survey.agents if each.here]
-        if agent not in here:
-            raise ReportError(
-                f"agent {agent!r} is not at work on the survey",
-                where=self.survey.name,
-                remedy=f"join first; there are {', '.join(here) or 'no agents'}",
-            )
 
     def _has(self, agent: str, ahead: int) -> bool:
         """Whether an agent has stops enough."""
@@ -308,7 +259,7 @@ class LocalDispatch:
         self, agent: str, ahead: int, events: tuple[Event, ...]
     ) -> Assignment | Wait | Done:
         """Keep what was decided, and hand out stops to an agent that is still there."""
-        self._check(agent)
+        check_here(self.survey, agent)
         for event in events:
             self.record(event)
         while not self.survey.finished and self.survey.plan.cells and not self._has(agent, ahead):
@@ -326,20 +277,8 @@ class LocalDispatch:
         leases = self.survey.agent(agent).leases
         for lease in leases:
             self._since.setdefault(lease.id, now)
-        first, *others = (self._assignment(lease) for lease in leases)
+        first, *others = (assignment_of(self.survey, lease) for lease in leases)
         return replace(first, ahead=tuple(others))
-
-    def _assignment(self, lease: Lease) -> Assignment:
-        field = self.survey.field
-        east, north = self.survey.access.at[lease.cell].tolist()
-        lonlat = None
-        if field.crs:
-            ((longitude, latitude),) = field.to_lonlat((east, north)).tolist()
-            lonlat = (longitude, latitude)
-        return Assignment(
-            lease.id, lease.number, lease.cell, (east, north), field.crs, lonlat,
-            lease.pushes, lease.made,
-        )  # fmt: skip
 
     def _release_lapsed(self) -> None:
         """Release stops that nothing was heard of for too long."""

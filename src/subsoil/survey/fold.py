@@ -23,7 +23,8 @@ from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import Cone
 from subsoil.reports import Refused, Sampled
 from subsoil.strategies.view import Plan
-from subsoil.survey import stops
+from subsoil.survey import corrections, stops
+from subsoil.survey.agents import Agent
 from subsoil.survey.events import (
     Amended,
     Assigned,
@@ -41,7 +42,7 @@ from subsoil.survey.events import (
     Withdrawn,
 )
 from subsoil.survey.settings import Settings
-from subsoil.survey.state import NEVER, NO_PLAN, NOTHING_MEASURED, Agent, Survey, with_agent
+from subsoil.survey.state import NEVER, NO_PLAN, NOTHING_MEASURED, Survey, with_agent
 from subsoil.ways.open_land import OpenLand
 
 _LONGEST_NAME = 255
@@ -113,8 +114,10 @@ def apply(survey: Survey, event: Event) -> Survey:
     if event.id in survey.known:
         return survey
     match event:
-        case Assigned() | Released() | Sampled() | Refused() | Amended() | Withdrawn():
+        case Assigned() | Released() | Sampled() | Refused():
             return stops.after(survey, event)
+        case Amended() | Withdrawn():
+            return corrections.after(survey, event)
         case Configured():
             return _configured(survey, event)
         case Joined():

@@ -14,9 +14,10 @@ from subsoil.registry import handed_over
 from subsoil.reports import Source
 from subsoil.simulation import Machine, SimulatedRobot, Truth, draw_truth
 from subsoil.strategies import Strategy
-from subsoil.survey.dispatch import LocalDispatch, Memory
+from subsoil.survey.dispatch import LocalDispatch
 from subsoil.survey.events import Configured, Simulation
 from subsoil.survey.fold import opened, opening
+from subsoil.survey.recorder import Memory
 from subsoil.survey.settings import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, checked
 from subsoil.survey.state import Survey
 from subsoil.variogram import Estimator, Own

@@ -9,25 +9,16 @@ from math import isfinite, nan
 import numpy as np
 
 from subsoil.land.field import Field
-from subsoil.layers import Layers, Sample
-from subsoil.mapping.drift_choice import residuals
+from subsoil.layers import Layers
 from subsoil.mapping.soilmap import SoilMap
-from subsoil.penetrometer import Cone, faults, profile_of
-from subsoil.registry import NOBODY, Allowed
-from subsoil.reports import Kind, Place, Refused, Sampled
+from subsoil.penetrometer import Cone
+from subsoil.reports import Place, Refused, Sampled
 from subsoil.stopping import Spent, Standing
 from subsoil.strategies.view import Plan
+from subsoil.survey.agents import Agent, Lease, Stop
 from subsoil.survey.events import Simulation
 from subsoil.survey.records import FitRecord
 from subsoil.survey.settings import Settings
-from subsoil.variogram import (
-    ESTIMATORS,
-    Estimator,
-    Fit,
-    bins_of,
-    empirical_layers,
-    estimator_named,
-)
 from subsoil.ways.access import Access
 from subsoil.ways.routing import length
 
@@ -37,84 +28,6 @@ NOWHERE = -1
 """Cell of a place that lies in none."""
 NO_PLAN = Plan((), "")
 NOTHING_MEASURED = Standing()
-
-
-@dataclass(frozen=True)
-class Lease:
-    """A stop that was handed out and is not over.
-
-    Attributes
-    ----------
-    id
-        That of the assignment.
-    number
-        Its number in the survey.
-    cell
-        Cell to probe.
-    pushes, made
-        Pushes to make there, and made.
-    """
-
-    id: str
-    number: int
-    cell: int
-    pushes: int = 1
-    made: int = 0
-
-
-@dataclass(frozen=True)
-class Agent:
-    """A robot or a person at work.
-
-    Attributes
-    ----------
-    name, kind
-        Who and what it is.
-    position
-        Where it says it is, easting and northing in m.
-    metres, seconds
-        Way it drove and time it spent.
-    charged_at
-        Value of ``seconds`` when its battery was last full.
-    leases
-        Stops it is to make, in order.
-    here
-        Whether it has not left.
-    """
-
-    name: str
-    kind: Kind
-    position: Place
-    metres: float = 0.0
-    seconds: float = 0.0
-    charged_at: float = 0.0
-    leases: tuple[Lease, ...] = ()
-    here: bool = True
-
-
-@dataclass(frozen=True)
-class Stop:
-    """A stop that was made, or is being made.
-
-    Attributes
-    ----------
-    id
-        That of its assignment, or of its report where nobody asked for it.
-    agent
-        Who made it.
-    cell
-        Cell it counts for; -1 if it lies in none.
-    readings
-        Reports of its pushes, in order; each has a place and a time of its own.
-    refusal
-        What ended it without a reading, or without a further one.
-    """
-
-    id: str
-    agent: str
-    cell: int
-    readings: tuple[Sampled, ...] = ()
-    refusal: Refused | None = None
 
 
 @dataclass(frozen=True)
@@ -319,45 +232,6 @@ class Survey:
     def lease(self, assignment: str) -> tuple[Lease, ...]:
         """The lease of an assignment, if it is open."""
         return tuple(lease for lease in self.leases if lease.id == assignment)
-
-
-def estimator_of(survey: Survey, allowed: Allowed = NOBODY) -> Estimator:
-    """What estimates the survey's variograms, by a registered name or of an allowed module."""
-    settings = survey.settings
-    return estimator_named(
-        settings.estimator, survey.field.extent_m, settings.estimator_settings, allowed
-    )
-
-
-def fits_of(survey: Survey) -> tuple[Fit, ...]:
-    """The fits that the map was kriged with, one a layer, with the bins of its samples.
-
-    Nothing is fitted again: the bins are a function of the samples, and of what the covariate
-    leaves of them in the layers that follow it.
-    """
-    soil_map = survey.soil_map
-    rest = soil_map.kpa.copy()
-    for layer in soil_map.drift:
-        rest[layer] = residuals(soil_map.covariate(soil_map.at), rest[layer])
-    if survey.settings.estimator in ESTIMATORS:
-        bins = bins_of(estimator_of(survey), soil_map.at, rest)
-    else:
-        bins = empirical_layers(soil_map.at, rest)
-    return tuple(record.fit(curve) for record, curve in zip(survey.fits, bins, strict=True))
-
-
-def sample_of(survey: Survey, report: Sampled) -> Sample:
-    """Layer values that a push gave, at its own place."""
-    return survey.layers.sample(profile_of(report.reading, survey.cone), report.at)
-
-
-def mappable(survey: Survey, report: Sampled) -> bool:
-    """Whether a reading has a place, and says something that can be true.
-
-    None that enters today does not; files of earlier versions hold some.
-    """
-    east, north = report.at
-    return isfinite(east) and isfinite(north) and not faults(report.reading, survey.cone)
 
 
 def stop_of(survey: Survey, report: Sampled | Refused) -> Stop:

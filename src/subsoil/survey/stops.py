@@ -15,18 +15,10 @@ from subsoil.errors import CorruptJournalError, brief
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.reports import Place, Refused, Sampled, Source
 from subsoil.strategies.view import Plan
-from subsoil.survey.events import Amended, Assigned, Released, Withdrawn
-from subsoil.survey.state import (
-    NOWHERE,
-    Agent,
-    Lease,
-    Stop,
-    Survey,
-    cell_of,
-    mappable,
-    sample_of,
-    with_agent,
-)
+from subsoil.survey.agents import Agent, Lease, Stop
+from subsoil.survey.events import Assigned, Released
+from subsoil.survey.measured import mappable, sample_of
+from subsoil.survey.state import NOWHERE, Survey, cell_of, with_agent
 from subsoil.variogram import Exponential
 
 FAR_CELLS = 2.0
@@ -37,15 +29,13 @@ LAPSES = 2
 """Leases of a cell that run out before it counts as refused."""
 
 
-def after(
-    survey: Survey, event: Assigned | Released | Sampled | Refused | Amended | Withdrawn
-) -> Survey:
+def after(survey: Survey, event: Assigned | Released | Sampled | Refused) -> Survey:
     """State after one of these events.
 
     Raises
     ------
     CorruptJournalError
-        If it names an agent, cell or reading that does not exist.
+        If it names an agent or cell that does not exist.
     """
     match event:
         case Assigned():
@@ -56,10 +46,6 @@ def after(
             return sampled(survey, event)
         case Refused():
             return refused(survey, event)
-        case Amended():
-            return amended(survey, event)
-        case Withdrawn():
-            return withdrawn(survey, event)
 
 
 def agent_of(survey: Survey, name: str) -> Agent:
@@ -142,7 +128,7 @@ def sampled(survey: Survey, report: Sampled) -> Survey:
     survey = _moved(survey, report)
     survey = replace(survey, soil_map=_appended(survey, report), finished="")
     if any(stop.id == id_ for stop in survey.stops):
-        survey = _changed(survey, id_, lambda s: replace(s, readings=(*s.readings, report)))
+        survey = changed(survey, id_, lambda s: replace(s, readings=(*s.readings, report)))
     else:
         stop = Stop(id_, report.agent, cell, (report,))
         survey = replace(survey, stops=(*survey.stops, stop))
@@ -150,7 +136,7 @@ def sampled(survey: Survey, report: Sampled) -> Survey:
         return _covered(_pushed(survey, leases[0]), cell, id_)
     survey = _closed(_covered(survey, cell, id_), leases, id_)
     for lease in leases:
-        survey = _reopened(survey, lease.cell)
+        survey = reopened(survey, lease.cell)
     return survey
 
 
@@ -161,7 +147,7 @@ def refused(survey: Survey, report: Refused) -> Survey:
     survey = _moved(survey, report)
     id_ = report.assignment or report.id
     if any(stop.id == id_ for stop in survey.stops):
-        survey = _changed(survey, id_, lambda s: replace(s, refusal=report))
+        survey = changed(survey, id_, lambda s: replace(s, refusal=report))
         return _closed(survey, leases, id_) if leases else survey
     if not leases and (cell == NOWHERE or cell in survey.visited):
         return survey
@@ -170,45 +156,7 @@ def refused(survey: Survey, report: Refused) -> Survey:
     return _closed(survey, leases, id_)
 
 
-def amended(survey: Survey, event: Amended) -> Survey:
-    """A reading is another from now on, as if it had been so from the start."""
-    stop = _stop_of(survey, event.report)
-    (old,) = (each for each in stop.readings if each.id == event.report)
-    by = event.by.model_copy(update={"id": old.id, "assignment": old.assignment})
-    readings = tuple(by if each.id == event.report else each for each in stop.readings)
-    cell = stop.cell
-    if len(readings) == 1 and (cell == NOWHERE or _far(survey, by.at, by.accuracy_m, cell)):
-        cell = cell_of(survey, by.at)
-    survey = _changed(survey, stop.id, lambda s: replace(s, readings=readings, cell=cell))
-    return _corrected(survey, event.id)
-
-
-def withdrawn(survey: Survey, event: Withdrawn) -> Survey:
-    """A reading does not count any more, as if it had never been taken: its stop is open again."""
-    stop = _stop_of(survey, event.report)
-    readings = tuple(each for each in stop.readings if each.id != event.report)
-    if readings or stop.refusal:
-        survey = _changed(survey, stop.id, lambda s: replace(s, readings=readings))
-    else:
-        rest = tuple(each for each in survey.stops if each.id != stop.id)
-        survey = _reopened(replace(survey, stops=rest), stop.cell)
-    for lease in survey.lease(stop.id):
-        survey = _with_lease(survey, lease, (replace(lease, made=max(0, lease.made - 1)),))
-    return _corrected(survey, event.id)
-
-
-def _stop_of(survey: Survey, report: str) -> Stop:
-    for stop in survey.stops:
-        if any(reading.id == report for reading in stop.readings):
-            return stop
-    raise CorruptJournalError(
-        f"there is no reading {brief(report)!r} to correct",
-        where=survey.name,
-        remedy="go back to a copy of the file",
-    )
-
-
-def _reopened(survey: Survey, cell: int) -> Survey:
+def reopened(survey: Survey, cell: int) -> Survey:
     """Plan with a cell at its end, unless it is on somebody's way or needs no visit any more."""
     leased = (lease.cell for lease in survey.leases)
     if cell in {NOWHERE, *survey.visited, *survey.refused, *survey.plan.cells, *leased}:
@@ -216,20 +164,6 @@ def _reopened(survey: Survey, cell: int) -> Survey:
     plan = survey.plan
     pushes = (*plan.pushes, 1) if plan.pushes else ()
     return replace(survey, plan=Plan((*plan.cells, cell), plan.reason, pushes))
-
-
-def _corrected(survey: Survey, event: str) -> Survey:
-    """Map of the readings as they are now; fit and plan are due at once."""
-    samples = tuple(sample_of(survey, r) for r in survey.readings if mappable(survey, r))
-    return replace(
-        survey,
-        soil_map=replace(survey.soil_map, samples=samples),
-        step=survey.step + 1,
-        changes=survey.changes + 1,
-        corrected=True,
-        finished="",
-        known=survey.known | {event},
-    )
 
 
 def _appended(survey: Survey, report: Sampled) -> SoilMap:
@@ -246,12 +180,13 @@ def _appended(survey: Survey, report: Sampled) -> SoilMap:
 def _counted(survey: Survey, at: Place, accuracy_m: float | None, assignment: str) -> int:
     """Cell that a reading counts for: the assigned one, unless it was taken far from it."""
     for lease in (*survey.leases, *survey.former):
-        if lease.id == assignment and not _far(survey, at, accuracy_m, lease.cell):
+        if lease.id == assignment and not far(survey, at, accuracy_m, lease.cell):
             return lease.cell
     return cell_of(survey, at)
 
 
-def _far(survey: Survey, at: Place, accuracy_m: float | None, cell: int) -> bool:
+def far(survey: Survey, at: Place, accuracy_m: float | None, cell: int) -> bool:
+    """Whether a place is too far from a cell to count for it."""
     east, north = survey.access.at[cell].tolist()
     away = hypot(at[0] - east, at[1] - north)
     near = FAR_CELLS * survey.field.cell_size
@@ -275,7 +210,7 @@ def _moved(survey: Survey, report: Sampled | Refused) -> Survey:
 
 def _pushed(survey: Survey, lease: Lease) -> Survey:
     """One push of a lease is made, and more are to follow."""
-    return _with_lease(survey, lease, (replace(lease, made=lease.made + 1),))
+    return with_lease(survey, lease, (replace(lease, made=lease.made + 1),))
 
 
 def _closed(survey: Survey, leases: tuple[Lease, ...], id_: str) -> Survey:
@@ -297,10 +232,10 @@ def _covered(survey: Survey, cell: int, id_: str) -> Survey:
 
 
 def _unleased(survey: Survey, lease: Lease) -> Survey:
-    return _with_lease(survey, lease, ())
+    return with_lease(survey, lease, ())
 
 
-def _with_lease(survey: Survey, lease: Lease, by: tuple[Lease, ...]) -> Survey:
+def with_lease(survey: Survey, lease: Lease, by: tuple[Lease, ...]) -> Survey:
     """Survey with a lease replaced by another one, or by none."""
     for agent in survey.agents:
         if lease in agent.leases:
@@ -310,7 +245,8 @@ def _with_lease(survey: Survey, lease: Lease, by: tuple[Lease, ...]) -> Survey:
     return survey
 
 
-def _changed(survey: Survey, id_: str, change: Callable[[Stop], Stop]) -> Survey:
+def changed(survey: Survey, id_: str, change: Callable[[Stop], Stop]) -> Survey:
+    """Survey with a stop changed."""
     stops = tuple(change(stop) if stop.id == id_ else stop for stop in survey.stops)
     return replace(survey, stops=stops)
 

@@ -7,6 +7,8 @@ that is turned round has another length; cumulated lengths along the path and ba
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,10 +16,13 @@ from subsoil.ways.access import finite
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Draw = Callable[[], float]
 
 PER_METRE = 1024
 """Units of length in a metre. Lengths people choose never lie half way between two of them."""
 _LONGEST_SEGMENT = 3
+_LONGEST_STRETCH = 30
+"""Nodes in either stretch of a swap."""
 
 
 def quantised(distance: Floats) -> Floats:
@@ -51,6 +56,24 @@ def shorten(distance: Floats) -> tuple[int, ...]:
             break
         order, d = order[move], d[np.ix_(move, move)]
     return tuple(order[1:-1].tolist())
+
+
+def to_the_nearest(apart: Floats) -> list[int]:
+    """Path from node 0 to the nearest node left each time, of several the first."""
+    left = apart.copy()
+    path = [0]
+    while len(path) < len(apart):
+        left[:, path[-1]] = np.inf
+        path.append(int(np.argmin(left[path[-1]])))
+    return path
+
+
+def stretches(stops: int, draw: Draw) -> tuple[int, int, int]:
+    """Where two stretches of a path that follow one another begin, meet and end."""
+    longest = min(_LONGEST_STRETCH, stops // 2)
+    one, other = 1 + int(draw() * longest), 1 + int(draw() * longest)
+    first = 1 + int(draw() * (stops - one - other + 1))
+    return first, first + one, first + one + other
 
 
 def _turned(d: Floats) -> Floats:

@@ -13,7 +13,7 @@ alone, and not on rounding noise in them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from itertools import pairwise, permutations
 from math import sqrt
 from random import Random
@@ -21,10 +21,10 @@ from random import Random
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.ways.moves import quantised, shorten
+from subsoil.ways.moves import Draw, quantised, stretches, to_the_nearest
+from subsoil.ways.one_way import one_way_tour
 
 Floats = NDArray[np.float64]
-Draw = Callable[[], float]
 Change = tuple[int, tuple[int, ...]]
 """Length that a move saves, and the nodes whose neighbours it changed; (0, ()) for no move."""
 
@@ -32,14 +32,10 @@ _FEW = 7
 """Stops up to which all orders are looked at."""
 _NEAR = 8
 """Neighbours that a node is joined to."""
-_LONGEST_STRETCH = 30
-"""Nodes in either stretch of a swap."""
 _ROUNDS_A_STOP, _STOPS = 65, 200
 """Rounds for each stop, and the stops up to which they rise; beyond, a round takes longer."""
 _NOISE = 1.0
 """Units by which rounding may make a way longer back than forth."""
-_ROUNDS_ONE_WAY = 100
-"""Rounds, up to as many stops, where ways differ back and forth."""
 _ALLOWED = 1.5
 """Length that a first round may add, at most, as a share of the mean step."""
 _FASTENED = 1 << 50
@@ -80,7 +76,7 @@ def short_tour(distance: Floats) -> tuple[int, ...]:
     if stops <= _FEW:
         return _shortest_of_all(units)
     if np.abs(units - units.T).max() > _NOISE:
-        return _searched_one_way(distance)
+        return one_way_tour(distance)
     path = _Path(units)
     path.settle(reversed(range(stops + 1)))
     return tuple(_searched(path, _rounds(stops))[1:-1])
@@ -91,40 +87,6 @@ def _shortest_of_all(units: Floats) -> tuple[int, ...]:
     orders = np.array(list(permutations(range(1, len(units)))))
     lengths = units[0, orders[:, 0]] + units[orders[:, :-1], orders[:, 1:]].sum(axis=1)
     return tuple(orders[int(np.argmin(lengths))].tolist())
-
-
-def _searched_one_way(distance: Floats) -> tuple[int, ...]:
-    """Shortest order that some rounds of swaps and repairs come to, where ways differ back."""
-    units = quantised(distance)
-    apart = units.copy()
-    np.fill_diagonal(apart, np.inf)
-    draw = Random(0).random
-    best = _mended(distance, _to_the_nearest(apart))
-    stops = len(best) - 1
-    for _ in range(round(_ROUNDS_ONE_WAY / max(1.0, stops / _STOPS) ** 2) if stops > 2 else 0):
-        first, middle, end = _stretches(stops, draw)
-        other = _mended(
-            distance, [*best[:first], *best[middle:end], *best[first:middle], *best[end:]]
-        )
-        if _length(units, other) < _length(units, best):
-            best = other
-    return tuple(best[1:])
-
-
-def _mended(distance: Floats, path: list[int]) -> list[int]:
-    return [0, *(path[node] for node in shorten(distance[np.ix_(path, path)]))]
-
-
-def _length(units: Floats, path: list[int]) -> float:
-    return float(units[path[:-1], path[1:]].sum())
-
-
-def _stretches(stops: int, draw: Draw) -> tuple[int, int, int]:
-    """Where two stretches of a path that follow one another begin, meet and end."""
-    longest = min(_LONGEST_STRETCH, stops // 2)
-    one, other = 1 + int(draw() * longest), 1 + int(draw() * longest)
-    first = 1 + int(draw() * (stops - one - other + 1))
-    return first, first + one, first + one + other
 
 
 def _rounds(stops: int) -> int:
@@ -178,7 +140,7 @@ class _Path:
         for node, others in enumerate(self.near):
             self.near[node] = [other for other in others if other != node]
         self.near.append([])
-        self.order = [*_to_the_nearest(apart), n]
+        self.order = [*to_the_nearest(apart), n]
         self.place = [0] * (n + 1)
         self._put(0, self.order)
         self.length = sum(self.steps[a][b] for a, b in pairwise(self.order))
@@ -197,7 +159,7 @@ class _Path:
     def swap(self, draw: Draw) -> tuple[int, ...]:
         """Let two stretches that follow one another swap places; the nodes at their ends."""
         order, d = self.order, self.steps
-        first, middle, end = _stretches(len(order) - 2, draw)
+        first, middle, end = stretches(len(order) - 2, draw)
         a, b, c = order[first - 1], order[first], order[middle - 1]
         e, f, g = order[middle], order[end - 1], order[end]
         self.length += d[a][e] + d[f][b] + d[c][g] - d[a][b] - d[c][e] - d[f][g]
@@ -291,13 +253,3 @@ class _Path:
 def _segments(i: int) -> tuple[tuple[int, int], ...]:
     """First and last place of the segments that begin or end at a place, the shortest first."""
     return (i, i), (i, i + 1), (i - 1, i), (i, i + 2), (i - 2, i)
-
-
-def _to_the_nearest(apart: Floats) -> list[int]:
-    """Path from node 0 to the nearest node left each time, of several the first."""
-    left = apart.copy()
-    path = [0]
-    while len(path) < len(apart):
-        left[:, path[-1]] = np.inf
-        path.append(int(np.argmin(left[path[-1]])))
-    return path

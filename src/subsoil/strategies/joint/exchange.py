@@ -11,7 +11,6 @@ Geosci. 28, 479). Unlike proposals that are tried at random, no draw is lost.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import exp, inf
 
 import numpy as np
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from subsoil.kriging.designs import Designs
 from subsoil.strategies.joint.detours import Detours
+from subsoil.strategies.joint.options import Options, drawn
 from subsoil.strategies.joint.price import Price, Terms
 from subsoil.ways.access import Access
 
@@ -35,34 +35,6 @@ _MOST_WEIGHED = 1200
 """Cells weighed for a stop at a time, at most: what keeps large fields from taking minutes."""
 _PRICE_RISE, _PRICE_RISES = 1.1, 30
 """Factor on the price while the optimum exceeds the budget, and how often it is applied."""
-
-
-@dataclass(frozen=True)
-class Options:
-    """Cells that could join a design, and what each would bring.
-
-    Attributes
-    ----------
-    cells
-        (q,) their indices.
-    gain
-        (q,) fall of the mean variance.
-    own
-        (q,) variance of a reading there.
-    weights
-        (n + 1, q) A^-1 [c; 1]: kriging weights of the design's readings, and the multiplier.
-    detour
-        (q,) metres by which the way grows, put in at its best gap.
-    gap
-        (q,) that gap.
-    """
-
-    cells: Integers
-    gain: Floats
-    own: Floats
-    weights: Floats
-    detour: Floats
-    gap: Integers
 
 
 class Exchange:
@@ -101,7 +73,6 @@ class Exchange:
     ) -> None:
         self.designs = designs
         self._cell_count = len(access.at)
-        self._fixed = len(fixed)
         self._cells = [*fixed, *route]
         self._order = list(range(len(fixed), len(self._cells)))
         self._open = free.copy()
@@ -233,7 +204,7 @@ class Exchange:
         if terms.budget_m < inf:
             now = options.detour[options.cells == self._cells[slot]][0]
             objective[options.detour > max(terms.budget_m - sum(self._legs(order)), now)] = inf
-        chosen = _drawn(objective, terms.temperature, rng)
+        chosen = drawn(objective, terms.temperature, rng)
         self._order = order
         self._order.insert(int(options.gap[chosen]), slot)
         self._put(slot, int(options.cells[chosen]))
@@ -294,11 +265,3 @@ class Exchange:
     def _a_metre(self) -> float:
         """Mean variance, in sills, that a metre is worth where the search stands."""
         return self._dearer * self.price.at(self.variance, self._driven + self.metres)
-
-
-def _drawn(objective: Floats, temperature: float, rng: np.random.Generator) -> int:
-    """Index drawn with the Boltzmann weights of objectives; of the lowest at no temperature."""
-    if temperature == 0.0:
-        return int(np.argmin(objective))
-    likely = np.cumsum(np.exp((objective.min() - objective) / temperature))
-    return int(np.searchsorted(likely, rng.random() * likely[-1]))
