@@ -199,16 +199,12 @@ def _page(
         parts += [words + "\n"] if words else []
         parts += [f"![{table.title}](figures/{picture}.png)\n"] if picture in pictures else []
         parts += [tables.markdown(table)] if table.rows else ["There is nothing to compare.\n"]
-    examples = [name for name in pictures if name[:7] == "example"]
-    entrant = _exemplary(found)
-    parts += ["## One survey\n"] if examples else []
-    parts += (
-        [
+    if examples := [name for name in pictures if name[:7] == "example"]:
+        entrant = _exemplary(found)
+        parts.append("## One survey\n")
+        parts.append(
             f"{entrant.strategy} with {entrant.estimator} on field "
             f"{min(found.results[entrant])}, {setting.samples[-1]} samples.\n"
-        ]
-        if examples
-        else []
-    )
-    parts += [f"![{name}](figures/{name}.png)\n" for name in examples]
+        )
+        parts += [f"![{name}](figures/{name}.png)\n" for name in examples]
     return "\n".join(parts)

@@ -85,8 +85,7 @@ def demo(
             where=str(path),
             remedy="give --overwrite to replace it, or another --out",
         )
-    land = _land(field)
-    layers = Layers()
+    land, layers = _land(field), Layers()
     method = MethodOptions(strategy=strategy, estimator=estimator, seed=seed)
     settings = settings_of(land, method, limits)
     truth = truth_of(field, land, layers, seed)

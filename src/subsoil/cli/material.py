@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.cli.options import layers_of
+from subsoil.cli.field import Crs, Edges, OptionalConeArea, ReadingsFile, ReadingUnit
+from subsoil.cli.options import (
+    DEFAULT_EDGES,
+    EstimatorName,
+    EstimatorSettings,
+    layers_of,
+    numbers,
+)
 from subsoil.errors import ParameterError
 from subsoil.io.readings import read_readings
 from subsoil.journal import read_events
@@ -17,8 +24,9 @@ from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import Cone
 from subsoil.readings import Readings
-from subsoil.survey import fold
+from subsoil.survey import DEFAULT_ESTIMATOR, fold
 from subsoil.survey.measured import readings_of
+from subsoil.variogram import Estimator, estimator_named
 
 
 @dataclass(frozen=True)
@@ -48,28 +56,60 @@ class Material:
         return [int(readings) for readings in systems.sum(axis=1)]
 
 
-def material_of(
-    path: Path,
-    edges: str,
-    field: Field | None,
-    crs: str | None,
-    cone_area: float | None,
-    units: str | None,
-) -> Material:
-    """Readings of a file or a survey, in layers of some edges.
+@dataclass(frozen=True)
+class MaterialOptions:
+    """Readings to look at, and how, as the command line says it.
 
-    Raises
-    ------
-    ParameterError
-        If there are fewer than three.
+    Attributes
+    ----------
+    readings, layers, cone_area, reading_unit, crs
+        The file, and how to read it.
+    estimator, setting
+        How variograms are estimated.
     """
-    if path.suffix.lower() == ".gpkg":
-        survey = fold(read_events(path))
-        material = Material(readings_of(survey), survey.layers)
-    else:
-        cone = Cone(cone_area) if cone_area is not None else None
-        readings = read_readings(path, field=field, crs=crs, cone=cone, units=units)
-        material = Material(readings, layers_of(edges))
+
+    readings: ReadingsFile
+    layers: Edges = DEFAULT_EDGES
+    estimator: EstimatorName = DEFAULT_ESTIMATOR
+    setting: EstimatorSettings = None
+    cone_area: OptionalConeArea = None
+    reading_unit: ReadingUnit = None
+    crs: Crs = None
+
+    def read(self, field: Field | None) -> Material:
+        """Readings of the file or the survey, those of a field if there is one.
+
+        Raises
+        ------
+        ParameterError
+            If there are fewer than three.
+        """
+        if self.readings.suffix.lower() == ".gpkg":
+            survey = fold(read_events(self.readings))
+            readings = readings_of(survey)
+            if field is not None:
+                readings = replace(readings, extent_m=field.extent_m)
+            return _enough(Material(readings, survey.layers), self.readings)
+        cone = Cone(self.cone_area) if self.cone_area is not None else None
+        readings = read_readings(
+            self.readings, field=field, crs=self.crs, cone=cone, units=self.reading_unit
+        )
+        return _enough(Material(readings, layers_of(self.layers)), self.readings)
+
+    def estimator_of(self, material: Material) -> Estimator:
+        """What estimates the variograms.
+
+        Raises
+        ------
+        ParameterError
+            If there is none of that name, or with such settings.
+        """
+        extent_m = material.readings.extent_m
+        return estimator_named(self.estimator, extent_m, numbers(self.setting))
+
+
+def _enough(material: Material, path: Path) -> Material:
+    """Check that readings can be scored; returns them."""
     number, refused = len(material.readings), material.readings.refused
     if number < 3:
         left = f", {len(refused)} were left out" if refused else ""

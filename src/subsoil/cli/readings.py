@@ -7,25 +7,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of
-from subsoil.cli.field import (
-    Block,
-    Boundary,
-    CellSize,
-    Crs,
-    Edges,
-    OptionalBoundary,
-    OptionalConeArea,
-    ReadingsFile,
-    ReadingUnit,
-)
-from subsoil.cli.material import Material, material_of
-from subsoil.cli.options import (
-    DEFAULT_EDGES,
-    EstimatorName,
-    EstimatorSettings,
-    numbers,
-)
+from subsoil.cli.field import Block, Boundary, CellSize, OptionalBoundary
+from subsoil.cli.material import Material, MaterialOptions
 from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
+from subsoil.cli.parsing import grouped
 from subsoil.errors import ParameterError
 from subsoil.io.boundary import read_field
 from subsoil.io.rasters import write_geotiffs
@@ -37,22 +22,15 @@ from subsoil.mapping.skill import layer_scores, no_better_than_mean
 from subsoil.optional import FIGURES, GEOTIFF, require
 from subsoil.plots import readings_figures
 from subsoil.units import SYSTEMS, System, Units
-from subsoil.variogram import Estimator, Fit, LeastSquares, Pooled, estimator_named, name_of
-
-_ESTIMATOR = "pmc"
+from subsoil.variogram import Estimator, Fit, LeastSquares, Pooled, name_of
 
 
+@grouped
 def make_map(
-    readings: ReadingsFile,
+    given: MaterialOptions,
     boundary: Boundary,
     out: Out,
     cell: CellSize = 5.0,
-    layers: Edges = DEFAULT_EDGES,
-    estimator: EstimatorName = _ESTIMATOR,
-    setting: EstimatorSettings = None,
-    cone_area: OptionalConeArea = None,
-    reading_unit: ReadingUnit = None,
-    crs: Crs = None,
     covariate: CovariateFile = None,
     column: Column = None,
     drift: Drift = "auto",
@@ -61,107 +39,80 @@ def make_map(
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     require(GEOTIFF, FIGURES)
-    field = read_field(boundary, crs=crs, cell_size=cell)
-    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
-    chosen = estimator_named(estimator, field.extent_m, numbers(setting))
+    field = read_field(boundary, crs=given.crs, cell_size=cell)
+    material = given.read(field)
+    found, chosen = material.readings, given.estimator_of(material)
     check_memory(
-        len(material.readings),
+        len(found),
         systems=material.systems(alike=isinstance(chosen, Pooled) and covariate is None),
         cells=len(field.cells),
         layers=len(material.layers),
     )
-    known = covariate_of(covariate, column, field, crs)
-    found = material.readings
+    known = covariate_of(covariate, column, field, given.crs)
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
     soil_map = krige(field, found, fits)
     scores = _scores(material, fits)
-    unskilled = _unskilled(material, scores)
-    rasters = write_geotiffs(soil_map, folder(out))
-    figures = readings_figures(soil_map, fits.fits, out)
-    result = {
-        "readings": readings,
+    notes = (*found.notes, *soil_map.notes, *_unskilled(material, scores))
+    about = {
+        "readings": given.readings,
         "field": field.name,
         "area_ha": field.area_ha,
         "samples": len(found),
         "refused": _refused(material),
         "std_dev_kpa": float(np.sqrt(soil_map.field_kv)),
-        "notes": tuple(dict.fromkeys((*found.notes, *soil_map.notes, *unskilled))),
+        "notes": tuple(dict.fromkeys(notes)),
         "drift": [material.layers.names[k] for k in fits.drift],
-        "maps": rasters,
-        "figures": figures,
+        "maps": write_geotiffs(soil_map, folder(out)),
+        "figures": readings_figures(soil_map, fits.fits, out),
     }
-    if as_json:
-        tell({**result, "layers": _score_dicts(material, fits, scores)}, as_json)
-        return
-    _tell(result, units)
-    _tell_scores(
-        "Leave-one-out (skill 0: no better than the mean; calibration 1: honest)",
-        material, _score_dicts(material, fits, scores), units,
-    )  # fmt: skip
+    title = "Leave-one-out (skill 0: no better than the mean; calibration 1: honest)"
+    _tell_scored(about, title, material, _score_dicts(material, fits, scores), units, as_json)
 
 
+@grouped
 def variogram(
-    readings: ReadingsFile,
+    given: MaterialOptions,
     boundary: OptionalBoundary = None,
-    layers: Edges = DEFAULT_EDGES,
-    estimator: EstimatorName = _ESTIMATOR,
-    setting: EstimatorSettings = None,
-    cone_area: OptionalConeArea = None,
-    reading_unit: ReadingUnit = None,
-    crs: Crs = None,
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show empirical variograms with pair counts, and what was fitted to them."""
-    field = read_field(boundary, crs=crs) if boundary else None
-    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
-    chosen = estimator_named(estimator, material.readings.extent_m, numbers(setting))
+    material = given.read(read_field(boundary, crs=given.crs) if boundary else None)
+    chosen = given.estimator_of(material)
     if not isinstance(chosen, LeastSquares):
         check_memory(len(material.readings))
     fits = fit(material.readings, material.layers, chosen)
-    posterior = _posterior(chosen, material)
+    about = {**_about(material), **_posterior(chosen, material)}
     if as_json:
         reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
-        tell({**_about(material), **posterior, "layers": reports}, as_json)
+        tell({**about, "layers": reports}, as_json)
         return
-    _tell({**_about(material), **posterior}, units)
+    _tell(about, units)
     for name, each in zip(SYSTEMS[units].layers(material.layers), fits, strict=True):
         bins = each.empirical
+        columns = bins.lag.tolist(), bins.pairs.tolist(), bins.semivariance.tolist()
         tell_table(
             f"{name}: {_in_words(each, SYSTEMS[units])}\n{each.why}",
             ("lag_m", "pairs", "semivariance_kpa2"),
-            list(
-                zip(bins.lag.tolist(), bins.pairs.tolist(), bins.semivariance.tolist(), strict=True)
-            ),
+            list(zip(*columns, strict=True)),
             SYSTEMS[units],
         )
 
 
+@grouped
 def cv(
-    readings: ReadingsFile,
+    given: MaterialOptions,
     boundary: OptionalBoundary = None,
-    layers: Edges = DEFAULT_EDGES,
-    estimator: EstimatorName = _ESTIMATOR,
-    setting: EstimatorSettings = None,
     block: Block = 50.0,
-    cone_area: OptionalConeArea = None,
-    reading_unit: ReadingUnit = None,
-    crs: Crs = None,
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
-    field = read_field(boundary, crs=crs) if boundary else None
-    material = material_of(readings, layers, field, crs, cone_area, reading_unit)
+    material = given.read(read_field(boundary, crs=given.crs) if boundary else None)
     found = material.readings
     check_memory(len(found), systems=material.systems(alike=False), layers=len(material.layers))
-    chosen = estimator_named(estimator, found.extent_m, numbers(setting))
-    fits = fit(found, material.layers, chosen)
+    fits = fit(found, material.layers, given.estimator_of(material))
     scores = _scores(material, fits)
-    about = {
-        **_about(material),
-        "notes": (*found.notes, *_unskilled(material, scores)),
-    }
     blocks = []
     with progress(f"leaving {block:g} m blocks out", len(fits)) as advance:
         each = zip(material.layers.names, fits.variograms, material.kpa, strict=True)
@@ -169,15 +120,13 @@ def cv(
             known = np.isfinite(kpa)
             blocks.append(block_out(model, found.at[known], kpa[known], block))
             advance(len(blocks), name)
-    rows = _score_dicts(material, fits, scores)
-    for row, score in zip(rows, blocks, strict=True):
-        row["block_rmse_kpa"] = float(score.rmse[0])
-        row["block_skill"] = float(score.skill[0])
-    if as_json:
-        tell({**about, "block_m": block, "layers": rows}, as_json)
-        return
-    _tell(about, units)
-    _tell_scores(f"Leave-one-out and {block:g} m blocks", material, rows, units)
+    rows = [
+        {**row, "block_rmse_kpa": float(left.rmse[0]), "block_skill": float(left.skill[0])}
+        for row, left in zip(_score_dicts(material, fits, scores), blocks, strict=True)
+    ]
+    about = {**_about(material), "notes": (*found.notes, *_unskilled(material, scores))}
+    title = f"Leave-one-out and {block:g} m blocks"
+    _tell_scored({**about, "block_m": block}, title, material, rows, units, as_json)
 
 
 def _scores(material: Material, fits: Fits) -> list[LeaveOneOut]:
@@ -241,9 +190,19 @@ def _tell(result: Mapping[str, object], units: System) -> None:
     tell({names.get(k, k): value for k, value in result.items()}, False, SYSTEMS[units])
 
 
-def _tell_scores(
-    title: str, material: Material, rows: list[dict[str, object]], units: System
+def _tell_scored(
+    about: Mapping[str, object],
+    title: str,
+    material: Material,
+    rows: list[dict[str, object]],
+    units: System,
+    as_json: bool,
 ) -> None:
+    """Print what was found, and how each layer scores."""
+    if as_json:
+        tell({**about, "layers": rows}, as_json)
+        return
+    _tell(about, units)
     names = SYSTEMS[units].layers(material.layers)
     shown = [[n, *list(row.values())[1:]] for n, row in zip(names, rows, strict=True)]
     tell_table(title, list(rows[0]), shown, SYSTEMS[units])
