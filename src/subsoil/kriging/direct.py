@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.kriging.covariance import lags, strips
+from subsoil.kriging.determined import is_delicate, undetermined
 from subsoil.kriging.readings import Readings
 from subsoil.kriging.system import System
+from subsoil.kriging.validity import not_determined
 
 Floats = NDArray[np.float64]
 
@@ -89,8 +91,32 @@ def _solved(system: System, targets: Floats) -> Solution:
     variance = 2.0 * base - readings.noise[:, :1] - np.einsum("gnt,gnt->gt", v, v)
     reading, target = np.nonzero(lag == 0.0)
     pins = np.column_stack([target, reading])
+    check_determined(system, targets, v, mean, pins)
     pin(readings, pins, mean, variance)
     return Solution(base, mean, variance, pins, v)
+
+
+def check_determined(
+    system: System, targets: Floats, v: Floats, mean: Floats, pins: NDArray[np.intp]
+) -> None:
+    """Check that readings, and not rounding, decide means (m, N) at (N, 2) targets.
+
+    Raises
+    ------
+    SingularSystemError
+        If they do not, at a target that is not at a reading.
+    """
+    if not is_delicate(system):
+        return
+    doubtful = undetermined(system, v, mean)
+    doubtful[:, pins[:, 0]] = False
+    if doubtful.any():
+        layer, target = np.argwhere(doubtful)[0].tolist()
+        groups = len(system.base)
+        raise not_determined(
+            system.readings, system.covariance.variograms, layer * groups // len(mean),
+            targets[target],
+        )  # fmt: skip
 
 
 def _seen(system: System, targets: Floats) -> tuple[Floats, Floats, Floats]:

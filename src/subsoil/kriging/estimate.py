@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.kriging.covariance import lags
-from subsoil.kriging.direct import combined, pin, solved, whitened
+from subsoil.kriging.direct import check_determined, combined, pin, solved, whitened
 from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
@@ -101,6 +101,7 @@ class Estimate:
         pins = self.pins
         if here.size:
             pins = np.concatenate([pins, np.column_stack([here, np.full(here.size, n)])])
+        check_determined(ok.system, self.targets, rows.array, mean, pins)
         pin(ok.system.readings, pins, mean, variance)
         return _sound(Estimate(ok, self.targets, self.base, mean, variance, pins, rows))
 

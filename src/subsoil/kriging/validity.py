@@ -11,6 +11,7 @@ from subsoil.kriging.readings import Readings
 from subsoil.variogram.models import BoundedLinear, Variogram
 
 Bools = NDArray[np.bool_]
+Floats = NDArray[np.float64]
 
 
 def replaceable(covariance: Covariance) -> Bools:
@@ -41,16 +42,32 @@ def singular(
     readings: Readings, variograms: tuple[Variogram, ...], model: int
 ) -> SingularSystemError:
     """Error of a system that is not positive definite; it names the closest readings."""
+    return SingularSystemError(
+        f"the kriging system of {len(readings)} readings is not positive definite",
+        where=_named(variograms, model),
+        remedy=f"add a nugget, or choose a rougher model; {_closest(readings)}",
+    )
+
+
+def not_determined(
+    readings: Readings, variograms: tuple[Variogram, ...], model: int, at: Floats
+) -> SingularSystemError:
+    """Error of a mean that rounding decides; it names the closest readings."""
+    return SingularSystemError(
+        f"the mean at ({at[0]:g}, {at[1]:g}) is not determined to 1e-6 by {len(readings)} readings",
+        where=_named(variograms, model),
+        remedy=f"add a nugget, or choose a rougher model; {_closest(readings)}",
+    )
+
+
+def _closest(readings: Readings) -> str:
     at = readings.at
     spacing = lags(at, at)
     np.fill_diagonal(spacing, np.inf)
     i, j = np.unravel_index(int(np.argmin(spacing)), spacing.shape)
-    return SingularSystemError(
-        f"the kriging system of {len(at)} readings is not positive definite",
-        where=_named(variograms, model),
-        remedy="add a nugget, or choose a rougher model; the closest readings are those at "
-        f"({at[i, 0]:g}, {at[i, 1]:g}) and ({at[j, 0]:g}, {at[j, 1]:g}), "
-        f"{spacing[i, j]:.3g} m apart",
+    return (
+        f"the closest readings are those at ({at[i, 0]:g}, {at[i, 1]:g}) and "
+        f"({at[j, 0]:g}, {at[j, 1]:g}), {spacing[i, j]:.3g} m apart"
     )
 
 
