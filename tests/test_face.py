@@ -113,3 +113,27 @@ def test_readings_with_nan_places_or_holes_are_refused_by_row() -> None:
         ss.Readings.of([(0, 0), (np.nan, 1)], [0.1], [[900.0], [800.0]])
     with pytest.raises(ReadingsError, match=r"row 1: nothing was read at 0\.1 m"):
         ss.Readings.of([(0, 0)], [0.1, 0.2], [[np.nan, 900.0]])
+
+
+def test_values_are_short_in_print_and_tables_in_notebooks(files: tuple[Path, Path]) -> None:
+    boundary, table = files
+    layers = ss.Layers((0.0, 0.05, 0.10))
+    field = ss.read_field(boundary)
+    readings = ss.read_readings(table, field=field)
+    fits = ss.fit(readings, layers)
+    soil = ss.krige(field, readings, fits)
+    plan = ss.plan(soil, "joint", samples=8)
+    run = ss.simulate(field, "area-split", samples=3)
+    for value, words in [
+        (field, "field field.geojson: 1.60 ha"), (soil, "soil map of field.geojson: 2 layers"),
+        (plan, "plan of 8 stops in cells"), (run, "survey of field.geojson: 3 samples"),
+        (readings, "30 readings"),
+    ]:  # fmt: skip
+        assert words in repr(value)
+        assert len(repr(value)) < 200
+        assert "\n" not in repr(value)
+    assert repr(fits).count("\n") == 1
+    for shown in (field, soil, plan, run, fits):
+        html = shown._repr_html_()
+        assert "<svg" in html if shown is field else html.startswith("<table>")
+        assert "nan" not in html

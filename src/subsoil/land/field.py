@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from html import escape
 from typing import cast
 
 import numpy as np
@@ -109,6 +110,18 @@ class Field:
                 where=self.name,
                 remedy="use smaller cells",
             )
+
+    def __repr__(self) -> str:
+        return f"<field {self._in_short}>"
+
+    def _repr_html_(self) -> str:
+        outline = self.boundary._repr_svg_()  # what shapely shows in a notebook
+        return f"<figure>{outline}<figcaption>{escape(self._in_short)}</figcaption></figure>"
+
+    @property
+    def _in_short(self) -> str:
+        cells = f"{len(self.cells)} cells of {self.cell_size:g} m"
+        return f"{self.name}: {self.area_ha:.2f} ha, {cells}, {self.crs or 'local frame'}"
 
     @classmethod
     def from_metres(

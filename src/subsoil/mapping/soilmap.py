@@ -17,6 +17,7 @@ from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.stack import Stack, in_units
+from subsoil.notebook import table
 from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
 
@@ -98,6 +99,26 @@ class SoilMap:
             raise ParameterError(
                 "layers follow a covariate and there is none", where="soil map, drift"
             )
+
+    def __repr__(self) -> str:
+        return f"<soil map of {self._in_short}>"
+
+    def _repr_html_(self) -> str:
+        spread = np.sqrt(self.variance)
+        rows = [
+            (name, f"{np.isfinite(kpa).sum()}", f"{mean.mean():.0f}", f"{sd.mean():.0f}")
+            for name, kpa, mean, sd in zip(
+                self.layers.names, self.kpa, self.mean, spread, strict=True
+            )
+        ]
+        head = ("layer", "samples", "mean (kPa)", "mean standard deviation (kPa)")
+        return table(head, rows, f"Soil map of {self._in_short}")
+
+    @property
+    def _in_short(self) -> str:
+        origin = ", simulated" if self.simulated else ""
+        size = f"{len(self.layers)} layers, {len(self.cells)} cells"
+        return f"{self.field.name}: {size}, {len(self.samples)} samples{origin}"
 
     @cached_property
     def cells(self) -> Floats:

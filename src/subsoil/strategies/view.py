@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 
 from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
+from subsoil.notebook import table
 from subsoil.stopping import Pace
 from subsoil.ways.access import Access
 
 _PACE = Pace()
+_SHOWN = 6
+"""Cells of a plan that are shown in short."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,16 @@ class Plan:
     cells: tuple[int, ...]
     reason: str
     pushes: tuple[int, ...] = ()
+
+    def __repr__(self) -> str:
+        shown = ", ".join(map(str, self.cells[:_SHOWN])) + (", ..." if self.cells[_SHOWN:] else "")
+        return f"<plan of {len(self.cells)} stops in cells {shown}: {self.reason}>"
+
+    def _repr_html_(self) -> str:
+        pushes = self.pushes or (1,) * len(self.cells)
+        stops = enumerate(zip(self.cells, pushes, strict=True), start=1)
+        rows = [(f"{k}", f"{cell}", f"{number}") for k, (cell, number) in stops]
+        return table(("stop", "cell", "pushes"), rows, self.reason)
 
 
 class Strategy(Protocol):

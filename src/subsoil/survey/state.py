@@ -11,6 +11,7 @@ import numpy as np
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.soilmap import SoilMap
+from subsoil.notebook import table
 from subsoil.penetrometer import Cone
 from subsoil.reports import Place, Refused, Sampled
 from subsoil.stopping import Spent, Standing
@@ -111,6 +112,25 @@ class Survey:
     former: tuple[Lease, ...] = ()
     lapses: tuple[int, ...] = ()
     known: frozenset[str] = frozenset()
+
+    def __repr__(self) -> str:
+        return f"<survey of {self._in_short}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (stop.id if len(stop.id) <= 8 else stop.id[:8], stop.agent, f"{stop.cell}",
+             f"{len(stop.readings)}", stop.refusal.reason if stop.refusal else "")
+            for stop in self.stops
+        ]  # fmt: skip
+        head = ("stop", "agent", "cell", "readings", "refused")
+        return table(head, rows, f"Survey of {self._in_short}")
+
+    @property
+    def _in_short(self) -> str:
+        way = f"{self.taken} samples, {self.metres:.0f} m, {self.minutes:.0f} min"
+        origin = ", simulated" if self.simulated else ""
+        state = self.finished or "not finished"
+        return f"{self.name}: {way}{origin}; {state}"
 
     @cached_property
     def visited(self) -> tuple[int, ...]:
