@@ -56,6 +56,14 @@ def test_a_name_that_is_no_text_is_as_good_as_any(cli: Cli, tmp_path: Path, name
     assert cli("verify", path, "--json").json["findings"] == "none"
 
 
+def test_a_folder_whose_name_is_no_text_is_refused_in_a_line(cli: Cli, tmp_path: Path) -> None:
+    said = cli("demo", "--out", tmp_path / os.fsdecode(b"out\xff"), "--samples", 2)
+    assert said.code == 2
+    assert "is no text in UTF-8" in said.err
+    assert said.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path: Path) -> None:
     (tmp_path / "plot.csv").write_text(OUTLINE)
     for module in ("typer", "numpy", "rich", "mine"):

@@ -26,7 +26,7 @@ from rich.table import Table
 
 from subsoil.cli.parsing import OUTPUT
 from subsoil.cli.words import label, text
-from subsoil.errors import SubsoilError, printable
+from subsoil.errors import ParameterError, SubsoilError, printable
 from subsoil.units import METRIC, System, Units
 
 AsJson = Annotated[
@@ -191,7 +191,21 @@ def _live(*columns: ProgressColumn, transient: bool = False) -> Progress:
 
 
 def folder(path: Path) -> Path:
-    """Make a folder if it is missing."""
+    """Make a folder if it is missing.
+
+    Raises
+    ------
+    ParameterError
+        If its name is no text, which libraries that write rasters cannot take.
+    """
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        raise ParameterError(
+            f"the name {printable(str(path))!r} is no text in UTF-8",
+            where="--out",
+            remedy="write to a folder of another name",
+        ) from None
     path.mkdir(parents=True, exist_ok=True)
     return path
 
