@@ -17,7 +17,7 @@ import shapely
 
 from subsoil.datasets import RiseholmeSurvey, half_field, riseholme
 from subsoil.errors import DataUnavailableError, MissingExtraError
-from subsoil.io.readings import read_readings
+from subsoil.io.read.readings import read_readings
 from subsoil.layers import Layers
 from subsoil.penetrometer import Profile
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from subsoil.errors import SubsoilError
-    from subsoil.io.boundary import read_field
-    from subsoil.io.readings import read_readings
+    from subsoil.io.read.boundary import read_field
+    from subsoil.io.read.readings import read_readings
     from subsoil.kriging import OrdinaryKriging, Prediction, condition
     from subsoil.land.field import Field
     from subsoil.layers import Layers, LayerState, Sample
@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "readings": ("Readings",),
-    "io.boundary": ("read_field",),
-    "io.readings": ("read_readings",),
+    "io.read.boundary": ("read_field",),
+    "io.read.readings": ("read_readings",),
     "mapping.fit": ("Fits", "fit",),
     "mapping.krige": ("krige",),
     "strategies.planning": ("plan",),

@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from subsoil.errors import DataUnavailableError
-from subsoil.io.boundary import read_field
-from subsoil.io.readings import read_readings
+from subsoil.io.read.boundary import read_field
+from subsoil.io.read.readings import read_readings
 from subsoil.land.field import Field
 from subsoil.optional import load
 from subsoil.readings import Readings

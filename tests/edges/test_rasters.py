@@ -11,7 +11,7 @@ import rasterio
 import xarray
 
 from subsoil.errors import MissingExtraError
-from subsoil.io.rasters import write_geotiffs
+from subsoil.io.write.rasters import write_geotiffs
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.soilmap import SoilMap

@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsoil.errors import BoundaryError, ReadingsError
-from subsoil.io.boundary import read_field
-from subsoil.io.marks import check_marks
-from subsoil.io.missing import is_missing
-from subsoil.io.readings import read_readings
+from subsoil.io.read.boundary import read_field
+from subsoil.io.read.marks import check_marks
+from subsoil.io.read.missing import is_missing
+from subsoil.io.read.readings import read_readings
 
 PLACES = [("53.2615", "-0.5250"), ("53.2616", "-0.5251"), ("53.2617", "-0.5252")]
 

@@ -18,8 +18,8 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from subsoil.errors import BoundaryError, InputError, MissingExtraError, ReadingsError
-from subsoil.io.boundary import read_field
-from subsoil.io.covariate import read_covariate
+from subsoil.io.read.boundary import read_field
+from subsoil.io.read.covariate import read_covariate
 from subsoil.land.crs import WGS84
 from subsoil.land.field import Field
 

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from subsoil.errors import BoundaryError, InputError, brief, listed
-from subsoil.io.boundary import read_field
-from subsoil.io.covariate import read_covariate
-from subsoil.io.readings import read_readings
+from subsoil.io.read.boundary import read_field
+from subsoil.io.read.covariate import read_covariate
+from subsoil.io.read.readings import read_readings
 from subsoil.land.crs import check_metric, project
 from subsoil.land.field import Field
 

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from subsoil.errors import BoundaryError, ReadingsError
-from subsoil.io.covariate import read_covariate
+from subsoil.io.read.covariate import read_covariate
 from subsoil.land.crs import WGS84, project
 from subsoil.land.field import Field
 

@@ -17,7 +17,7 @@ from pyproj import Proj
 from shapely.geometry import GeometryCollection, LineString, Point, Polygon, box, mapping
 
 from subsoil.errors import BoundaryError, MissingExtraError, ParameterError
-from subsoil.io.boundary import READERS, read_field
+from subsoil.io.read.boundary import READERS, read_field
 from subsoil.land.crs import project, stretch
 from subsoil.land.field import Field
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon, box
 
 from subsoil.errors import BoundaryError, InputError, ParameterError, ReadingsError
-from subsoil.io.readings import READERS, read_readings
+from subsoil.io.read.readings import READERS, read_readings
 from subsoil.land.crs import project
 from subsoil.land.field import Field
 from subsoil.layers import Layers

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from subsoil.io.rasters import write_geotiffs
-from subsoil.io.whole import whole
+from subsoil.io.write.rasters import write_geotiffs
+from subsoil.io.write.whole import whole
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.mapping.soilmap import SoilMap

@@ -25,10 +25,10 @@ from subsoil import (
     Variogram,
     condition,
 )
-from subsoil.kriging.chebyshev import Stretch, squared_lags
 from subsoil.kriging.covariance import Covariance
-from subsoil.kriging.smoothness import smoothness
-from subsoil.kriging.tiles import Tiler
+from subsoil.kriging.grid.chebyshev import Stretch, squared_lags
+from subsoil.kriging.grid.smoothness import smoothness
+from subsoil.kriging.grid.tiles import Tiler
 from subsoil.variogram.models import Bounded
 
 Floats = NDArray[np.float64]

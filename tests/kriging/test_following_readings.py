@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from subsoil import BoundedLinear, Exponential, Power, PureNugget, Spherical, condition
 from subsoil.errors import ParameterError, ReadingsError, SingularSystemError
 from subsoil.kriging import over
-from subsoil.kriging.rows import Rows
+from subsoil.kriging.growing_stack import Rows
 
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**31)

@@ -13,7 +13,7 @@ import pytest
 from subsoil.agent import Assignment, drive
 from subsoil.errors import BatteryError, ParameterError
 from subsoil.journal import create, verify
-from subsoil.kriging.estimate import Estimate
+from subsoil.kriging.kriged_at import Estimate
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.registry import Allowed

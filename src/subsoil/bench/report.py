@@ -22,7 +22,7 @@ from subsoil.bench.store import config_of, results_of, write_results
 from subsoil.bench.task import Entrant, Setting, Task
 from subsoil.bench.truths import truth_of
 from subsoil.errors import NotAllowedError, ParameterError
-from subsoil.io.whole import whole
+from subsoil.io.write.whole import whole
 from subsoil.optional import FIGURES, require
 from subsoil.plots.album import DPI, draw_survey
 from subsoil.survey import fits_of

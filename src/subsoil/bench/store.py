@@ -29,7 +29,7 @@ from subsoil.bench.task import (
     tasks_of,
 )
 from subsoil.errors import ParameterError
-from subsoil.io.whole import whole
+from subsoil.io.write.whole import whole
 
 COLUMNS = (
     "field", "protocol", "strategy", "estimator", "n",

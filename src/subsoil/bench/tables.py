@@ -22,7 +22,7 @@ from subsoil.bench.comparison import (
 from subsoil.bench.hand_survey import HandSurveys
 from subsoil.bench.paper import CORRELATION, MARKS, NORMALISED_RMSE, PATH_M, RMSE_KPA
 from subsoil.bench.task import Row
-from subsoil.io.whole import whole
+from subsoil.io.write.whole import whole
 
 Cell = str | int | float | Mean
 MINUTES = 60.0

@@ -168,7 +168,7 @@ def _setting(protocol: str, seed: int, samples: str, boundary: Path | None) -> S
     """Setting of what was given; its field and real readings are there if it needs them."""
     outline, crs = "", ""
     if boundary is not None:
-        from subsoil.io.boundary import read_field
+        from subsoil.io.read.boundary import read_field
 
         field = read_field(boundary)
         outline, crs = shapely.to_wkt(field.boundary, rounding_precision=-1), field.crs

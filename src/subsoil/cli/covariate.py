@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from subsoil.cli.parsing import FIELD, STRATEGY
-from subsoil.io.covariate import read_covariate
+from subsoil.io.read.covariate import read_covariate
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.land.field import Field
 from subsoil.mapping.drift_choice import DriftRule

@@ -22,7 +22,7 @@ from subsoil.cli.options import (
 from subsoil.cli.output import AsJson, Out, Shown, folder, progress, resumable
 from subsoil.cli.parsing import FIELD, OUTPUT, grouped
 from subsoil.errors import JournalError
-from subsoil.io.rasters import write_geotiffs
+from subsoil.io.write.rasters import write_geotiffs
 from subsoil.journal import Journal, create, fingerprint, last_event
 from subsoil.land.field import Field
 from subsoil.layers import Layers

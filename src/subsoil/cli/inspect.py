@@ -14,7 +14,7 @@ from subsoil.cli.options import Allow, MethodOptions, SurveyFile, allowed_by, se
 from subsoil.cli.output import AsJson, Shown, folder, progress, say, tell, tell_table, working
 from subsoil.cli.parsing import OUTPUT, grouped
 from subsoil.errors import ParameterError
-from subsoil.io.whole import whole
+from subsoil.io.write.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
 from subsoil.land.field import Field

@@ -18,7 +18,7 @@ from subsoil.cli.options import (
     numbers,
 )
 from subsoil.errors import ParameterError
-from subsoil.io.readings import read_readings
+from subsoil.io.read.readings import read_readings
 from subsoil.journal import read_events
 from subsoil.land.field import Field
 from subsoil.layers import Layers

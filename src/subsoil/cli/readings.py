@@ -12,8 +12,8 @@ from subsoil.cli.material import Material, MaterialOptions
 from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
 from subsoil.cli.parsing import grouped
 from subsoil.errors import ParameterError
-from subsoil.io.boundary import read_field
-from subsoil.io.rasters import write_geotiffs
+from subsoil.io.read.boundary import read_field
+from subsoil.io.write.rasters import write_geotiffs
 from subsoil.kriging import LeaveOneOut, block_out
 from subsoil.kriging.memory import check_memory
 from subsoil.mapping.fit import Fits, fit

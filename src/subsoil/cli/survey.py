@@ -27,7 +27,7 @@ from subsoil.cli.options import (
 from subsoil.cli.output import AsJson, Shown, progress, resumable, tell
 from subsoil.cli.parsing import FIELD, ROBOT, grouped
 from subsoil.errors import JournalError, brief
-from subsoil.io.boundary import read_field
+from subsoil.io.read.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
 from subsoil.registry import Allowed

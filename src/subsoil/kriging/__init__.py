@@ -1,7 +1,7 @@
 """Kriging: conditioning, prediction, following readings, leaving them out, dense maps."""
 
-from subsoil.kriging.estimate import Estimate, over
 from subsoil.kriging.kriged import Kriged
+from subsoil.kriging.kriged_at import Estimate, over
 from subsoil.kriging.leave_one_out import LeaveOneOut, block_out, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging, condition
 from subsoil.kriging.prediction import Prediction

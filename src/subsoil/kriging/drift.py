@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import KDTree
 
 from subsoil.errors import ParameterError, SingularSystemError
-from subsoil.kriging.estimate import Estimate, fall
+from subsoil.kriging.kriged_at import Estimate, fall
 from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.kriging.covariance import Covariance, lags
-from subsoil.kriging.dense import predicted_on_grid
 from subsoil.kriging.direct import predicted
+from subsoil.kriging.grid.dense import predicted_on_grid
 from subsoil.kriging.prediction import Prediction
 from subsoil.kriging.readings import (
     Readings,
@@ -118,7 +118,7 @@ class OrdinaryKriging:
         """Mean and variance on a dense grid, as (ny, nx) or (m, ny, nx).
 
         The same answer as :meth:`predict` to about 1e-9 standard deviations of the readings and
-        sills, by :mod:`subsoil.kriging.dense`, which compares every map with direct kriging at
+        sills, by :mod:`subsoil.kriging.grid.dense`, which compares every map with direct kriging at
         random cells and keeps the largest difference seen as ``spot_check``.
 
         Parameters

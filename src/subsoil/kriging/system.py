@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.kriging.covariance import Covariance, lags, strips
+from subsoil.kriging.growing_stack import Rows
 from subsoil.kriging.readings import Readings
-from subsoil.kriging.rows import Rows
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.io.whole import whole
+from subsoil.io.write.whole import whole
 from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots.depth import profiles

@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 
 from subsoil.errors import printable
-from subsoil.io.whole import whole
+from subsoil.io.write.whole import whole
 from subsoil.optional import REPORT, load
 from subsoil.plots.album import DPI, survey_figures
 from subsoil.report.wording import headline, notes, rows

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from subsoil.errors import ReadingsError, brief, listed
-from subsoil.io.geotiff import read_geotiff
-from subsoil.io.places import Places
-from subsoil.io.points import read_points
-from subsoil.io.text import POSITION_COLUMNS, check_file, number, read_text
+from subsoil.io.read.geotiff import read_geotiff
+from subsoil.io.read.places import Places
+from subsoil.io.read.points import read_points
+from subsoil.io.read.text import POSITION_COLUMNS, check_file, number, read_text
 from subsoil.land.crs import project
 from subsoil.land.field import Field
 

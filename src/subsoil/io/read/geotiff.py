@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError, brief
-from subsoil.io.alone import alone
+from subsoil.io.read.alone import alone
 from subsoil.land.field import Field
 from subsoil.optional import GEOTIFF, load
 

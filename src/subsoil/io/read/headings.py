@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from subsoil.errors import ReadingsError, brief, listed
-from subsoil.io.records import KPA, Floats, depth_of
-from subsoil.io.text import POSITION_COLUMNS
+from subsoil.io.read.records import KPA, Floats, depth_of
+from subsoil.io.read.text import POSITION_COLUMNS
 
 _DEPTH = re.compile(
     r"(?:(?P<unit>[a-z]+)[_ ])?(?P<depth>\d+(?:[.p]\d+)?)[_ ]?(?P<length>mm|cm|m|in)?"

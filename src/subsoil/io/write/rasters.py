@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.io.whole import whole
+from subsoil.io.write.whole import whole
 from subsoil.land.crs import named_crs
 from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap

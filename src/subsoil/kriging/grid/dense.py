@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
 from subsoil.errors import ParameterError
-from subsoil.kriging.chebyshev import NODES, Box, Stretch
 from subsoil.kriging.direct import predicted
+from subsoil.kriging.grid.chebyshev import NODES, Box, Stretch
+from subsoil.kriging.grid.tiles import Tiler
 from subsoil.kriging.system import System
-from subsoil.kriging.tiles import Tiler
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]

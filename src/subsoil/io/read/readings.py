@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from subsoil.errors import ReadingsError
-from subsoil.io.missing import without_codes
-from subsoil.io.places import Places, elsewhere, outside
-from subsoil.io.plausible import strength_notes
-from subsoil.io.readings_csv import read_readings_csv
-from subsoil.io.records import Recording, kpa_per_unit
-from subsoil.io.robot_yaml import read_robot_yaml
-from subsoil.io.text import check_file
-from subsoil.io.usable import usable
+from subsoil.io.read.missing import without_codes
+from subsoil.io.read.places import Places, elsewhere, outside
+from subsoil.io.read.plausible import strength_notes
+from subsoil.io.read.readings_csv import read_readings_csv
+from subsoil.io.read.records import Recording, kpa_per_unit
+from subsoil.io.read.robot_yaml import read_robot_yaml
+from subsoil.io.read.text import check_file
+from subsoil.io.read.usable import usable
 from subsoil.land.field import Field
 from subsoil.penetrometer import Cone
 from subsoil.readings import Finding, Readings, extent_of
@@ -31,7 +31,7 @@ READERS: dict[str, Callable[[Path], Recording]] = {
     ".yml": read_robot_yaml,
 }
 """Reader of each suffix. Another instrument needs no more than a function from a path to a
-:class:`~subsoil.io.records.Recording`, put here."""
+:class:`~subsoil.io.read.records.Recording`, put here."""
 
 
 def read_readings(

@@ -10,9 +10,9 @@ import re
 from pathlib import Path
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.drawing import Drawing, Feature, draw, frame
-from subsoil.io.marks import check_marks
-from subsoil.io.text import POSITION_COLUMNS, number, read_text
+from subsoil.io.read.drawing import Drawing, Feature, draw, frame
+from subsoil.io.read.marks import check_marks
+from subsoil.io.read.text import POSITION_COLUMNS, number, read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import polygon
 

@@ -23,9 +23,9 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.kriging.chebyshev import Box, Stretch, squared_lags, to_cells, to_nodes
 from subsoil.kriging.covariance import Shape
-from subsoil.kriging.smoothness import Smoothness, smoothness
+from subsoil.kriging.grid.chebyshev import Box, Stretch, squared_lags, to_cells, to_nodes
+from subsoil.kriging.grid.smoothness import Smoothness, smoothness
 from subsoil.kriging.system import System
 
 Floats = NDArray[np.float64]

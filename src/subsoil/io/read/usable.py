@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from subsoil.io.records import HARDEST_KPA, Record, Recording
+from subsoil.io.read.records import HARDEST_KPA, Record, Recording
 from subsoil.penetrometer import Profile
 from subsoil.readings import Finding
 

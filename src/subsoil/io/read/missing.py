@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from subsoil.io.records import Record
+from subsoil.io.read.records import Record
 
 _LETTERS = {"na", "nan", "null", "none", "nil", "nd", "nodata", "no data", "missing", "not reached"}
 _SIGNS = {"n/a", "n.a.", "#n/a", "n.d.", "?", "*", ".", "-", "--", "---", "–", "—"}

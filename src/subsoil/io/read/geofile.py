@@ -14,9 +14,9 @@ from shapely.errors import ShapelyError
 from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, InputError, brief, listed
-from subsoil.io.alone import alone
-from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, frame, left_alone
-from subsoil.io.text import check_file
+from subsoil.io.read.alone import alone
+from subsoil.io.read.drawing import NOTHING, Drawing, Feature, draw, frame, left_alone
+from subsoil.io.read.text import check_file
 from subsoil.optional import load
 
 

@@ -24,11 +24,11 @@ from pathlib import Path
 import numpy as np
 
 from subsoil.errors import ReadingsError, brief, listed
-from subsoil.io.headings import Columns, columns_of
-from subsoil.io.marks import check_marks
-from subsoil.io.missing import is_missing
-from subsoil.io.records import HARDEST_KPA, KPA, Record, Recording
-from subsoil.io.text import number, read_text
+from subsoil.io.read.headings import Columns, columns_of
+from subsoil.io.read.marks import check_marks
+from subsoil.io.read.missing import is_missing
+from subsoil.io.read.records import HARDEST_KPA, KPA, Record, Recording
+from subsoil.io.read.text import number, read_text
 from subsoil.readings import Finding
 
 Row = tuple[int, list[str]]

@@ -13,8 +13,8 @@ from typing import Any
 from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, frame
-from subsoil.io.text import read_text
+from subsoil.io.read.drawing import NOTHING, Drawing, Feature, draw, frame
+from subsoil.io.read.text import read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import Area, polygon
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.drawing import NOTHING, Drawing, Feature, draw, not_an_outline
-from subsoil.io.text import read_text
+from subsoil.io.read.drawing import NOTHING, Drawing, Feature, draw, not_an_outline
+from subsoil.io.read.text import read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import polygon
 

@@ -9,8 +9,8 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from subsoil.kriging.chebyshev import NODES, Stretch, squared_lags
 from subsoil.kriging.covariance import Shape
+from subsoil.kriging.grid.chebyshev import NODES, Stretch, squared_lags
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from subsoil.kriging.covariance import lags
 from subsoil.kriging.direct import check_determined, combined, pin, solved, whitened
+from subsoil.kriging.growing_stack import Rows
 from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
 from subsoil.kriging.readings import checked_targets
-from subsoil.kriging.rows import Rows
 from subsoil.variogram import Variogram
 
 Floats = NDArray[np.float64]

@@ -24,12 +24,12 @@ from pathlib import Path
 import shapely
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.corners import read_coords, read_corners
-from subsoil.io.drawing import KEEP_OUT, Drawing
-from subsoil.io.geofile import read_geofile
-from subsoil.io.geojson import read_geojson
-from subsoil.io.kml import read_kml
-from subsoil.io.text import check_file
+from subsoil.io.read.corners import read_coords, read_corners
+from subsoil.io.read.drawing import KEEP_OUT, Drawing
+from subsoil.io.read.geofile import read_geofile
+from subsoil.io.read.geojson import read_geojson
+from subsoil.io.read.kml import read_kml
+from subsoil.io.read.text import check_file
 from subsoil.land.crs import WGS84, metres_frame, project, stretch
 from subsoil.land.field import Field
 from subsoil.land.outline import Area

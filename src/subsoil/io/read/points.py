@@ -10,8 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from subsoil.errors import ReadingsError
-from subsoil.io.geofile import read_layer
-from subsoil.io.geojson import features_of
+from subsoil.io.read.geofile import read_layer
+from subsoil.io.read.geojson import features_of
 from subsoil.land.crs import WGS84
 
 Floats = NDArray[np.float64]

@@ -19,9 +19,9 @@ import numpy as np
 import yaml
 
 from subsoil.errors import ReadingsError, brief
-from subsoil.io.missing import is_missing
-from subsoil.io.records import Floats, Record, Recording, depth_of
-from subsoil.io.text import read_text
+from subsoil.io.read.missing import is_missing
+from subsoil.io.read.records import Floats, Record, Recording, depth_of
+from subsoil.io.read.text import read_text
 from subsoil.readings import Finding
 
 _SafeLoader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

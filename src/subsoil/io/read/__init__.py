@@ -1,0 +1,1 @@
+"""Reading outlines, readings and covariates; nothing is mended by guessing or dropped unsaid."""

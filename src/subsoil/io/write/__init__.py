@@ -1,0 +1,1 @@
+"""Writing maps, each whole or not at all."""

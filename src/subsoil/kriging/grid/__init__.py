@@ -1,0 +1,1 @@
+"""Dense maps: kriging at every cell of a large grid, tile by tile."""
