@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil import Exponential, Spherical, condition
-from subsoil.kriging import over
+from subsoil.kriging import at_targets
 from subsoil.variogram import Bounded
 
 Floats = NDArray[np.float64]
@@ -101,7 +101,7 @@ def online() -> Result:
     cells = np.column_stack([x, y])
 
     def ours() -> None:
-        estimate = over(condition(variograms, at[:1], z[:, :1]), cells)
+        estimate = at_targets(condition(variograms, at[:1], z[:, :1]), cells)
         for k in range(1, len(at)):
             estimate = estimate.append(at[k], z[:, k])
             assert estimate.prediction.mean.shape == (LAYERS, len(cells))
@@ -111,7 +111,7 @@ def online() -> Result:
             for layer, model in enumerate(variograms):
                 pykrige(model, at[:n], z[layer, :n]).execute("points", x, y)  # type: ignore[attr-defined]
 
-    followed = over(condition(variograms, at[:1], z[:, :1]), cells).append(at[1:], z[:, 1:])
+    followed = at_targets(condition(variograms, at[:1], z[:, :1]), cells).append(at[1:], z[:, 1:])
     direct = condition(variograms, at, z).predict(cells)
     error = max(
         float(np.abs(followed.prediction.mean - direct.mean).max()),

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from subsoil.errors import SingularSystemError
-from subsoil.kriging import condition, over
+from subsoil.kriging import at_targets, condition
 from subsoil.variogram import Bounded, Exponential, Gaussian, Matern32, Matern52
 
 Floats = NDArray[np.float64]
@@ -95,8 +95,8 @@ def test_a_mean_that_rounding_decides_is_not_given_however_it_is_asked_for() -> 
     with pytest.raises(SingularSystemError, match=said):
         ok.predict(far)
     with pytest.raises(SingularSystemError, match=said):
-        over(ok, far)
-    fewer = over(condition(model, at[:5], z[:5]), far)
+        at_targets(ok, far)
+    fewer = at_targets(condition(model, at[:5], z[:5]), far)
     with pytest.raises(SingularSystemError, match="is not determined"):
         fewer.append(at[5:], z[5:])
     mean, _ = ok.predict(at)

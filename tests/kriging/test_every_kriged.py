@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from subsoil.kriging import Kriged, condition, over
+from subsoil.kriging import Kriged, at_targets, condition
 from subsoil.kriging.drift import Covariate, Drifted
 from subsoil.variogram import Exponential, Matern32, Nested, Spherical, Structure
 
@@ -31,19 +31,19 @@ EACH = (Exponential(900.0, 40.0, 9e3), Spherical(2e3, 60.0, 3e4), Matern32(5e3, 
 
 
 def ordinary(at: Floats, z: Floats) -> Kriged:
-    return over(condition(POOLED, at, z), TARGETS)
+    return at_targets(condition(POOLED, at, z), TARGETS)
 
 
 def ordinary_by_layer(at: Floats, z: Floats) -> Kriged:
-    return over(condition(EACH, at, z), TARGETS)
+    return at_targets(condition(EACH, at, z), TARGETS)
 
 
 def with_drift(at: Floats, z: Floats) -> Kriged:
-    return Drifted(over(condition(POOLED, at, z), TARGETS), COVARIATE)
+    return Drifted(at_targets(condition(POOLED, at, z), TARGETS), COVARIATE)
 
 
 def with_drift_by_layer(at: Floats, z: Floats) -> Kriged:
-    return Drifted(over(condition(EACH, at, z), TARGETS), COVARIATE)
+    return Drifted(at_targets(condition(EACH, at, z), TARGETS), COVARIATE)
 
 
 KINDS = [ordinary, ordinary_by_layer, with_drift, with_drift_by_layer]
@@ -110,7 +110,7 @@ def test_leaving_a_reading_out_is_kriging_without_it(kind: Kind) -> None:
         rest = np.delete(np.arange(16), k)
         here = Drifted if kind.__name__.startswith("with_drift") else None
         models = EACH if kind.__name__.endswith("by_layer") else POOLED
-        plain = over(condition(models, AT[rest], Z[:, rest]), AT[k : k + 1])
+        plain = at_targets(condition(models, AT[rest], Z[:, rest]), AT[k : k + 1])
         without: Kriged = here(plain, COVARIATE) if here else plain
         mean, variance = (values[:, 0] for values in without.prediction)
         noise = np.array([m.nugget for m in EACH]) if models is EACH else np.full(3, POOLED.nugget)

@@ -15,7 +15,7 @@ from pykrige.uk import UniversalKriging
 from scipy.cluster.vq import kmeans2
 
 from subsoil.errors import ParameterError, SingularSystemError
-from subsoil.kriging import condition, over
+from subsoil.kriging import at_targets, condition
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted, leave_one_out_with
 from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState, Sample
@@ -78,7 +78,7 @@ def textbook(
 def test_it_is_the_textbooks_universal_kriging(model: Bounded | Nested) -> None:
     at, z, covariate = field_of(1)
     targets = covariate.at[len(at) :]
-    found = Drifted(over(condition(model, at, z), targets), covariate).prediction
+    found = Drifted(at_targets(condition(model, at, z), targets), covariate).prediction
     for layer in range(3):
         mean, variance = textbook(model, at, z[layer], covariate, targets)
         assert_allclose(found.mean[layer], mean, rtol=1e-9)
@@ -90,7 +90,7 @@ def test_layers_have_a_model_and_an_error_variance_each() -> None:
     error = np.random.default_rng(3).uniform(0.0, 50.0, len(at))
     targets = covariate.at[len(at) :]
     ok = condition(MODELS, at, z, error_variance=error)
-    found = Drifted(over(ok, targets), covariate).prediction
+    found = Drifted(at_targets(ok, targets), covariate).prediction
     for layer, model in enumerate(MODELS):
         mean, variance = textbook(model, at, z[layer], covariate, targets, error)
         assert_allclose(found.mean[layer], mean, rtol=1e-9)
@@ -110,7 +110,7 @@ def test_it_agrees_with_pykrige(seed: int) -> None:
         "points", *targets.T, specified_drift_arrays=[covariate.values[n:]]
     )
     ok = condition(Exponential(20.0, 60.0, 300.0), at, z[0], exact=True)
-    found = Drifted(over(ok, targets), covariate).prediction
+    found = Drifted(at_targets(ok, targets), covariate).prediction
     assert_allclose(found.mean, mean, rtol=1e-9)
     assert_allclose(found.variance, variance, rtol=1e-9)
 
@@ -120,7 +120,7 @@ def test_it_agrees_with_pykrige(seed: int) -> None:
 def test_the_covariates_unit_and_zero_do_not_matter(seed: int, shift: float, unit: float) -> None:
     at, z, covariate = field_of(seed, cells=10)
     other = Covariate(covariate.at, shift + unit * covariate.values)
-    plain = over(condition(MODELS, at, z), covariate.at[len(at) :])
+    plain = at_targets(condition(MODELS, at, z), covariate.at[len(at) :])
     first, second = (Drifted(plain, x).prediction for x in (covariate, other))
     assert_allclose(first.mean, second.mean, rtol=1e-8)
     assert_allclose(first.variance, second.variance, rtol=1e-8)
@@ -130,9 +130,9 @@ def test_the_covariates_unit_and_zero_do_not_matter(seed: int, shift: float, uni
 def test_appending_equals_starting_again(models: Bounded | Sequence[Bounded]) -> None:
     at, z, covariate = field_of(4)
     targets = covariate.at[len(at) :]
-    grown = Drifted(over(condition(models, at[:9], z[:, :9]), targets), covariate)
+    grown = Drifted(at_targets(condition(models, at[:9], z[:, :9]), targets), covariate)
     grown = grown.append(at[9:], z[:, 9:])
-    anew = Drifted(over(condition(models, at, z), targets), covariate)
+    anew = Drifted(at_targets(condition(models, at, z), targets), covariate)
     assert_allclose(grown.prediction.mean, anew.prediction.mean, rtol=1e-9)
     assert_allclose(grown.prediction.variance, anew.prediction.variance, rtol=1e-9)
 
@@ -142,7 +142,7 @@ def test_the_fall_of_variance_is_what_probing_there_gives(
     models: Bounded | Sequence[Bounded],
 ) -> None:
     at, z, covariate = field_of(5)
-    before = Drifted(over(condition(models, at, z), covariate.at[len(at) :]), covariate)
+    before = Drifted(at_targets(condition(models, at, z), covariate.at[len(at) :]), covariate)
     candidates = [0, 17, 59]
     drop = before.variance_drop(candidates)
     for k, cell in enumerate(candidates):
@@ -179,7 +179,7 @@ def test_a_covariate_that_is_the_same_at_all_readings_is_named_in_an_error() -> 
     at, z, covariate = field_of(8)
     flat = Covariate(covariate.at, np.full(len(covariate), 3.0))
     with pytest.raises(SingularSystemError, match="the same at all 25 readings"):
-        _ = Drifted(over(condition(MODELS, at, z), at), flat).prediction
+        _ = Drifted(at_targets(condition(MODELS, at, z), at), flat).prediction
 
 
 @pytest.mark.parametrize("values", [np.array([1.0]), np.array([1.0, np.nan])])

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from subsoil import BoundedLinear, Exponential, Power, PureNugget, Spherical, condition
 from subsoil.errors import ParameterError, ReadingsError, SingularSystemError
-from subsoil.kriging import over
-from subsoil.kriging.growing_stack import Rows
+from subsoil.kriging import at_targets
+from subsoil.kriging.growing_stack import GrowingStack
 
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**31)
@@ -33,7 +33,7 @@ def test_following_equals_starting_again_whatever_the_errors(
     error[:, 0] = first_error
     models = Spherical(0.2, 60.0, 2.0), Exponential(0.1, 40.0, 1.0)
     whole = condition(models, at, z, exact=exact, error_variance=error).predict(targets)
-    estimate = over(
+    estimate = at_targets(
         condition(models, at[:1], z[:, :1], exact=exact, error_variance=error[:, :1]), targets
     )
     for k in range(1, 9):
@@ -65,7 +65,7 @@ def test_a_known_error_of_all_readings_is_the_same_as_a_nugget() -> None:
 def test_reading_a_place_again_is_followed(seed: int, exact: bool) -> None:
     at, z, targets = readings(seed, 6)
     model = Exponential(0.3, 50.0, 1.0)
-    estimate = over(condition(model, at, z[0], exact=exact), targets).append(at[1], 7.0)
+    estimate = at_targets(condition(model, at, z[0], exact=exact), targets).append(at[1], 7.0)
     again = condition(
         model, np.concatenate([at, at[1:2]]), np.append(z[0], 7.0), exact=exact
     ).predict(targets)
@@ -83,7 +83,7 @@ def test_an_unbounded_model_follows_readings_far_beyond_the_first() -> None:
     values = np.append(z[0], [1.0, 2.0, 3.0])
     model = Power(0.1, 0.02, 1.4)
     whole = condition(model, far, values).predict(targets)
-    followed = over(condition(model, at[:2], z[0, :2]), targets)
+    followed = at_targets(condition(model, at[:2], z[0, :2]), targets)
     followed = followed.append(far[2:], values[2:])
     np.testing.assert_allclose(followed.prediction.mean, whole.mean, rtol=0, atol=1e-8)
     np.testing.assert_allclose(followed.prediction.variance, whole.variance, rtol=1e-9)
@@ -100,7 +100,7 @@ def test_a_followed_linear_model_gives_way_when_it_turns_out_invalid() -> None:
     cells = np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), -1).reshape(-1, 2) * 10.0
     z = np.random.default_rng(0).normal(size=36)
     linear = BoundedLinear(0.0, 10 * np.sqrt(2), 1.0)
-    estimate = over(condition(linear, cells[:2], z[:2]), cells + 3.0)
+    estimate = at_targets(condition(linear, cells[:2], z[:2]), cells + 3.0)
     assert estimate.kriging.notes == ()
     for k in range(2, 36):
         estimate = estimate.append(cells[k], z[k])
@@ -122,10 +122,10 @@ def test_a_negative_variance_under_a_valid_model_is_an_error_and_not_a_zero() ->
 
 def test_a_place_known_for_certain_has_nothing_to_tell() -> None:
     at, z, targets = readings(7, 8)
-    estimate = over(condition(Spherical(0.2, 60.0, 1.0), at, z[0], exact=True), targets)
+    estimate = at_targets(condition(Spherical(0.2, 60.0, 1.0), at, z[0], exact=True), targets)
     assert np.abs(estimate.variance_drop([0, 1, 2])).max() < 1e-12
     assert estimate.variance_drop([5]).max() > 0.1
-    filtered = over(condition(Spherical(0.2, 60.0, 1.0), at, z[0]), targets)
+    filtered = at_targets(condition(Spherical(0.2, 60.0, 1.0), at, z[0]), targets)
     again = filtered.append(targets[1], 3.0).prediction.variance
     foreseen = filtered.variance_drop([1])[0]
     np.testing.assert_allclose(filtered.prediction.variance - again, foreseen, rtol=0, atol=1e-12)
@@ -147,7 +147,7 @@ def test_kriging_errors_are_as_large_as_the_variance_says(seed: int) -> None:
 
 @given(st.lists(st.integers(0, 30), min_size=1, max_size=30), st.integers(1, 40))
 def test_rows_that_share_a_buffer_keep_what_they_were_given(branches: list[int], n: int) -> None:
-    known = [(Rows(np.zeros((2, n, 3))), [0.0] * n)]
+    known = [(GrowingStack(np.zeros((2, n, 3))), [0.0] * n)]
     for value, choice in enumerate(branches, start=1):
         rows, expected = known[choice % len(known)]
         grown, last = rows.grown(3)
@@ -161,7 +161,7 @@ def test_rows_that_share_a_buffer_keep_what_they_were_given(branches: list[int],
 
 def test_readings_that_cannot_be_followed() -> None:
     at, z, targets = readings(6, 4, 2)
-    estimate = over(condition(Spherical(0.1, 50.0, 1.0), at, z), targets)
+    estimate = at_targets(condition(Spherical(0.1, 50.0, 1.0), at, z), targets)
     with pytest.raises(ReadingsError, match="do not fit for 2 layers"):
         estimate.append(at[0], 3.0)
     with pytest.raises(ReadingsError, match="reading 1, layer 2: a value is not a number"):

@@ -24,7 +24,7 @@ from subsoil import (
     condition,
 )
 from subsoil.errors import ParameterError, ReadingsError, SingularSystemError
-from subsoil.kriging import over
+from subsoil.kriging import at_targets
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def test_appending_equals_conditioning_on_everything(
     whole = condition(model, at, z, exact=exact).predict(targets)
     start = condition(model, at[:before], z[:, :before], exact=exact)
     grown = start.append(at[before:], z[:, before:]) if after else start
-    followed = over(start, targets)
+    followed = at_targets(start, targets)
     for k in range(before, before + after):
         followed = followed.append(at[k], z[:, k])
     for each in (grown.predict(targets), followed.prediction):
@@ -99,7 +99,7 @@ def test_the_foreseen_fall_of_the_variance_is_the_one_that_comes(
     model: Variogram, seed: int, exact: bool, n: int
 ) -> None:
     at, z, targets = readings(seed, n)
-    estimate = over(condition(model, at, z, exact=exact), targets)
+    estimate = at_targets(condition(model, at, z, exact=exact), targets)
     candidates = [5, 11]
     foreseen = estimate.variance_drop(candidates)
     for row, k in zip(foreseen, candidates, strict=True):
@@ -155,7 +155,7 @@ def test_values_that_branch_from_one_another_do_not_touch_each_other(
     model: Variogram, seed: int, exact: bool
 ) -> None:
     at, z, targets = readings(seed, 8)
-    root = over(condition(model, at[:4], z[:4], exact=exact), targets)
+    root = at_targets(condition(model, at[:4], z[:4], exact=exact), targets)
     left = root.append(at[4], z[4])
     before = left.prediction.mean.copy(), left.prediction.variance.copy()
     right = root.append(at[5], z[5]).append(at[6], z[6])

@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from subsoil.kriging import Estimate, condition, over
+from subsoil.kriging import KrigedAt, at_targets, condition
 from subsoil.kriging.drift import Covariate, Drifted
 from subsoil.kriging.memory import needed_gib
 from subsoil.variogram import Exponential, Matern32, Nested, Spherical, Structure
@@ -45,10 +45,10 @@ main()
 """Does what the command line says, and then says the most KiB of memory that it took."""
 
 
-def large_and_part(model: Nested | tuple[Exponential, Spherical, Matern32]) -> list[Estimate]:
+def large_and_part(model: Nested | tuple[Exponential, Spherical, Matern32]) -> list[KrigedAt]:
     """Kriged at all targets and at some of them; only the few keep the work on them."""
     ok = condition(model, AT, Z)
-    large, part = over(ok, TARGETS), over(ok, TARGETS[PART])
+    large, part = at_targets(ok, TARGETS), at_targets(ok, TARGETS[PART])
     assert large.kept is None
     assert part.kept is not None
     return [large, part]
@@ -104,7 +104,7 @@ def test_a_map_does_not_take_memory_for_readings_times_cells() -> None:
     targets = rng.uniform(0, 2000, (200_000, 2))
     ok = condition(POOLED, at, z)
     tracemalloc.start()
-    mean = over(ok, targets).prediction.mean
+    mean = at_targets(ok, targets).prediction.mean
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert mean.shape == (1, 200_000)

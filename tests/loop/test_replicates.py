@@ -13,7 +13,7 @@ import pytest
 from subsoil.agent import Assignment, drive
 from subsoil.errors import BatteryError, ParameterError
 from subsoil.journal import create, verify
-from subsoil.kriging.kriged_at import Estimate
+from subsoil.kriging.kriged_at import KrigedAt
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.registry import Allowed
@@ -111,7 +111,7 @@ def test_pushes_in_one_hole_count_as_their_mean_with_a_share_of_the_nugget(
     ]
     soil_map = fold(moved).soil_map
     for stack in soil_map.stacks:
-        assert isinstance(stack.estimate, Estimate)
+        assert isinstance(stack.estimate, KrigedAt)
         kriging = stack.estimate.kriging
         readings = kriging.system.readings
         here = int(np.flatnonzero((readings.at == place).all(axis=1))[0])

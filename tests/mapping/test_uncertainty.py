@@ -13,7 +13,7 @@ from scipy.spatial.distance import cdist
 from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
-from subsoil.kriging import condition, over
+from subsoil.kriging import at_targets, condition
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.scores import rmse
@@ -123,7 +123,7 @@ def test_error_covariances_are_those_of_the_kriging_weights() -> None:
     own = weights.T @ (signal(at, at) + 30 * np.eye(9)) @ weights
     peer = signal(to, to) - cross - cross.T + own
     kriging = condition(model, at, rng.standard_normal(9))
-    found = over(kriging, to).error_covariance(np.arange(5))
+    found = at_targets(kriging, to).error_covariance(np.arange(5))
     assert np.allclose(found[0], peer, rtol=1e-9, atol=1e-9)
     assert np.allclose(np.diag(found[0]), kriging.predict(to).variance, rtol=1e-9)
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsoil.errors import ParameterError
-from subsoil.kriging import condition, over
+from subsoil.kriging import at_targets, condition
 from subsoil.kriging.designs import Designs
 from subsoil.land.field import Field
 from subsoil.strategies import View, strategy_named
@@ -50,7 +50,7 @@ def test_the_gain_of_a_push_is_the_fall_of_the_mean_variance(
 
 def test_a_cell_read_thrice_is_kriged_as_one_reading_with_a_third_of_the_noise() -> None:
     at = FIELD.cells[[10, 10, 10, 100]]
-    kriged = over(condition(_shape(0.4), at, np.array([1.0, 2.0, 6.0, 5.0])), FIELD.cells)
+    kriged = at_targets(condition(_shape(0.4), at, np.array([1.0, 2.0, 6.0, 5.0])), FIELD.cells)
     assert _designs(0.4).mean_variance([10, 10, 10, 100]) == pytest.approx(
         kriged.prediction.variance.mean(), rel=1e-9
     )

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import KDTree
 
 from subsoil.errors import ParameterError, SingularSystemError
-from subsoil.kriging.kriged_at import Estimate, fall
+from subsoil.kriging.kriged_at import KrigedAt, variance_drop_of
 from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
@@ -144,7 +144,7 @@ class Drifted:
         What their mean follows.
     """
 
-    estimate: Estimate
+    estimate: KrigedAt
     covariate: Covariate
 
     @property
@@ -184,14 +184,14 @@ class Drifted:
         return self.estimate.kriging.prediction(mean, variance)
 
     def append(self, at: ArrayLike, z: ArrayLike, *, error_variance: ArrayLike = 0.0) -> Drifted:
-        """Follow further readings; see :meth:`Estimate.append`."""
+        """Follow further readings; see :meth:`KrigedAt.append`."""
         grown = self.estimate.append(at, z, error_variance=error_variance)
         return Drifted(grown, self.covariate)
 
     def variance_drop(self, candidates: ArrayLike) -> Floats:
         """By how much the variance falls everywhere if one of these targets were probed next.
 
-        Exact, as is :meth:`Estimate.variance_drop`; what a reading there tells of the slope is in.
+        Exact, as is :meth:`KrigedAt.variance_drop`; what a reading there tells of the slope is in.
 
         Parameters
         ----------
@@ -206,7 +206,7 @@ class Drifted:
         index = np.asarray(candidates, dtype=np.intp)
         ok = self.estimate.kriging
         joint = self.error_covariance(index)
-        return ok.shaped(fall(joint, index, ok.system.covariance.noise))
+        return ok.shaped(variance_drop_of(joint, index, ok.system.covariance.noise))
 
     def error_covariance(
         self, rows: NDArray[np.intp], columns: NDArray[np.intp] | slice = slice(None)

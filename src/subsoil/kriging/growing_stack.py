@@ -11,7 +11,7 @@ _ROOM, _GROWTH = 32, 4
 """Rows of a new buffer, at least and per row there is. Memory is not touched before it is used."""
 
 
-class Rows:
+class GrowingStack:
     """A stack of matrices (g, n, w) to which rows are appended.
 
     Values made one from the other by appending share one buffer: rows already written never
@@ -31,12 +31,12 @@ class Rows:
         view.flags.writeable = False
         return view
 
-    def grown(self, width: int) -> tuple[Rows, Floats]:
-        """Rows with one more, of a width or wider, and that row, (g, w), to be written at once."""
+    def grown(self, width: int) -> tuple[GrowingStack, Floats]:
+        """A stack with one more row, of a width or wider, and that row (g, w), to be written."""
         n = self._count
         room = n < self._buffer.shape[1] and width <= self._buffer.shape[2]
         mine = object()
-        grown = Rows.__new__(Rows)
+        grown = GrowingStack.__new__(GrowingStack)
         if room and self._claims.setdefault(n + 1, mine) is mine:
             grown._buffer, grown._claims = self._buffer, self._claims
         else:

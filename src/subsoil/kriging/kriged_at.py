@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from subsoil.kriging.covariance import lags
 from subsoil.kriging.direct import check_determined, combined, pin, solved, whitened
-from subsoil.kriging.growing_stack import Rows
+from subsoil.kriging.growing_stack import GrowingStack
 from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
@@ -21,12 +21,12 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Estimate:
+class KrigedAt:
     """Ordinary kriging at (N, 2) targets, with what it takes to update it.
 
-    Made by :func:`over`. Appending a reading costs O(n^2 + n N) and equals starting again. A large
-    map takes no more memory than its answers and a block of the work on them, until readings are
-    appended or looked ahead at: that takes all of v.
+    Made by :func:`at_targets`. Appending a reading costs O(n^2 + n N) and equals starting again.
+    A large map takes no more memory than its answers and a block of the work on them, until
+    readings are appended or looked ahead at: that takes all of v.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Estimate:
     mean: Floats
     variance: Floats
     pins: NDArray[np.intp]
-    kept: Rows | None
+    kept: GrowingStack | None
 
     @property
     def at(self) -> Floats:
@@ -63,30 +63,30 @@ class Estimate:
         return self.kriging.variograms
 
     @cached_property
-    def v(self) -> Rows:
+    def v(self) -> GrowingStack:
         """(g, n-1, N) one row a reading but the first."""
-        return self.kept or Rows(whitened(self.kriging.system, self.targets))
+        return self.kept or GrowingStack(whitened(self.kriging.system, self.targets))
 
     @cached_property
     def prediction(self) -> Prediction:
         """Mean and variance, (N,) or (m, N)."""
         return self.kriging.prediction(self.mean, self.variance)
 
-    def append(self, at: ArrayLike, z: ArrayLike, *, error_variance: ArrayLike = 0.0) -> Estimate:
+    def append(self, at: ArrayLike, z: ArrayLike, *, error_variance: ArrayLike = 0.0) -> KrigedAt:
         """Follow further readings; see :meth:`OrdinaryKriging.append`."""
         grown = self
         for place, values, noise in self.kriging.incoming(at, z, error_variance):
             grown = grown._follow(place, values, noise)
         return grown
 
-    def _follow(self, at: Floats, z: Floats, noise: Floats) -> Estimate:
+    def _follow(self, at: Floats, z: Floats, noise: Floats) -> KrigedAt:
         system = self.kriging.system
         readings, n = system.readings, len(system.readings)
         lag = lags(np.concatenate([readings.at, self.targets]), at[None])[:, 0]
         k = system.covariance(lag)
         border = system.border(lag[:n], k[:, :n], noise)
         if not border.sound:
-            return over(self.kriging.joined(at, z, noise), self.targets)
+            return at_targets(self.kriging.joined(at, z, noise), self.targets)
         ok = self.kriging.grown(border, at, z, noise)
         rows, v = self.v.grown(len(self.targets))
         np.add(k[:, n:], self.base, out=v)
@@ -103,7 +103,7 @@ class Estimate:
             pins = np.concatenate([pins, np.column_stack([here, np.full(here.size, n)])])
         check_determined(ok.system, self.targets, rows.array, mean, pins)
         pin(ok.system.readings, pins, mean, variance)
-        return _sound(Estimate(ok, self.targets, self.base, mean, variance, pins, rows))
+        return _sound(KrigedAt(ok, self.targets, self.base, mean, variance, pins, rows))
 
     def variance_drop(self, candidates: ArrayLike) -> Floats:
         """By how much the variance falls everywhere if one of these targets were probed next.
@@ -122,7 +122,7 @@ class Estimate:
         """
         index = np.asarray(candidates, dtype=np.intp)
         noise = self.kriging.system.covariance.noise
-        return self.kriging.shaped(fall(self.error_covariance(index), index, noise))
+        return self.kriging.shaped(variance_drop_of(self.error_covariance(index), index, noise))
 
     def combined(self, y: Floats) -> Floats:
         """(g, N) products of (g, n-1) rows with v."""
@@ -157,7 +157,7 @@ class Estimate:
         return whitened(self.kriging.system, self.targets[which])
 
 
-def fall(joint: Floats, index: NDArray[np.intp], noise: Floats) -> Floats:
+def variance_drop_of(joint: Floats, index: NDArray[np.intp], noise: Floats) -> Floats:
     """(g, k, N) fall of the variance if one of k targets were probed.
 
     Parameters
@@ -176,7 +176,7 @@ def fall(joint: Floats, index: NDArray[np.intp], noise: Floats) -> Floats:
     return np.divide(joint, own[:, :, None], out=np.zeros_like(joint), where=known)
 
 
-def over(ok: OrdinaryKriging, targets: ArrayLike) -> Estimate:
+def at_targets(ok: OrdinaryKriging, targets: ArrayLike) -> KrigedAt:
     """Krige at fixed targets, ready to follow further readings.
 
     Parameters
@@ -193,11 +193,11 @@ def over(ok: OrdinaryKriging, targets: ArrayLike) -> Estimate:
     """
     places = checked_targets(targets)
     s = solved(ok.system, places)
-    kept = None if s.v is None else Rows(s.v)
-    return _sound(Estimate(ok, places, s.base, s.mean, s.variance, s.pins, kept))
+    kept = None if s.v is None else GrowingStack(s.v)
+    return _sound(KrigedAt(ok, places, s.base, s.mean, s.variance, s.pins, kept))
 
 
-def _sound(estimate: Estimate) -> Estimate:
+def _sound(estimate: KrigedAt) -> KrigedAt:
     """Return the estimate, or that of the replacement models where its own turned out invalid."""
     ok = estimate.kriging.mended(estimate.variance)
-    return estimate if ok is estimate.kriging else over(ok, estimate.targets)
+    return estimate if ok is estimate.kriging else at_targets(ok, estimate.targets)

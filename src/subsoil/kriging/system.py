@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from subsoil.kriging.covariance import Covariance, lags, strips
-from subsoil.kriging.growing_stack import Rows
+from subsoil.kriging.growing_stack import GrowingStack
 from subsoil.kriging.readings import Readings
 
 Floats = NDArray[np.float64]
@@ -54,7 +54,7 @@ class System:
     readings: Readings
     covariance: Covariance
     base: Floats
-    inverse: Rows
+    inverse: GrowingStack
     y: Floats
 
     @cached_property
@@ -109,7 +109,7 @@ class System:
             Readings(r.at, r.z[layers], r.noise[one], r.count),
             self.covariance.of(group),
             self.base[one],
-            Rows(self.inverse.array[one]),
+            GrowingStack(self.inverse.array[one]),
             self.y[layers],
         )
 
@@ -199,7 +199,7 @@ def factorised(readings: Readings, covariance: Covariance) -> tuple[System, NDAr
         _invert_factor(matrix)
     y = np.matmul(inverse, (readings.z[:, 1:] - readings.z[:, :1])[:, :, None])[:, :, 0]
     failed = np.asarray(np.isnan(inverse).any(axis=(1, 2)))
-    return System(readings, covariance, base, Rows(inverse), y), failed
+    return System(readings, covariance, base, GrowingStack(inverse), y), failed
 
 
 def _invert_factor(matrix: Floats) -> None:

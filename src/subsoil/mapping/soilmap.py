@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.errors import ParameterError
-from subsoil.kriging import Kriged, condition, over
+from subsoil.kriging import Kriged, at_targets, condition
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
@@ -165,7 +165,7 @@ class SoilMap:
         """Krige layers from nothing."""
         at, kpa, error = self._readings(layers)
         models, unit = in_units(tuple(self.variograms[k] for k in layers), error)
-        plain = over(condition(models, at, kpa, error_variance=error), self.cells)
+        plain = at_targets(condition(models, at, kpa, error_variance=error), self.cells)
         estimate: Kriged = Drifted(plain, self.covariate) if layers[0] in self.drift else plain
         return Stack(layers, estimate, unit, len(self.samples))
 
