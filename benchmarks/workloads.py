@@ -12,13 +12,11 @@ from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsoil import Exponential, Spherical, condition
+from subsoil.arrays import Floats
 from subsoil.kriging import at_targets
 from subsoil.variogram import Bounded
-
-Floats = NDArray[np.float64]
 
 LAYERS = 8
 _LAYER = np.arange(LAYERS)

@@ -7,12 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import subsoil as ss
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, ReadingsError
-
-Floats = NDArray[np.float64]
 
 OUTLINE = [
     [-0.5262, 53.2610], [-0.5244, 53.2610], [-0.5244, 53.2622], [-0.5262, 53.2622],

@@ -14,7 +14,7 @@ PACKAGE = Path(subsoil.__file__).parent
 
 FLOORS: dict[str, tuple[str, ...]] = {
     "1 values": (
-        "errors", "optional", "notebook", "registry", "reports", "outcomes", "agent",
+        "errors", "arrays", "optional", "notebook", "registry", "reports", "outcomes", "agent",
         "penetrometer",
         "layers", "land", "readings",
     ),

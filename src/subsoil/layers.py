@@ -10,10 +10,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.penetrometer import Profile
-
-Floats = NDArray[np.float64]
 
 _THINNEST_M = 0.001
 _TOUCH_M = 1e-9

@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.reports import Ending, Reading, Tip
-
-Floats = NDArray[np.float64]
 
 SLIGHT_N, SLIGHT_KPA = 50.0, 400.0
 """How far below zero a force or pressure may be: a load cell drifts by as much after its tare."""
@@ -232,7 +231,7 @@ def _kpa(reading: Reading, cone: Cone) -> Floats:
     return np.array(reading.force_n) / (reading.tip or cone).area_mm2 * 1000.0
 
 
-def _new(depth: Floats) -> NDArray[np.bool_]:
+def _new(depth: Floats) -> Bools:
     """(k,) whether the rod was deeper than ever before, in the ground."""
     before = np.concatenate([[-np.inf], np.maximum.accumulate(depth)[:-1]])
     return (depth > before) & (depth >= 0)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats, Integers
 from subsoil.errors import ReadingsError
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Profile
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

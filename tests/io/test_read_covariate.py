@@ -10,14 +10,13 @@ import pytest
 import rasterio
 import shapely
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import BoundaryError, ReadingsError
 from subsoil.io.read.covariate import read_covariate
 from subsoil.land.crs import WGS84, project
 from subsoil.land.field import Field
 
-Floats = NDArray[np.float64]
 UTM = "EPSG:32630"
 
 

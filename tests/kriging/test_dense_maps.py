@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from subsoil import (
     BoundedLinear,
@@ -25,13 +24,13 @@ from subsoil import (
     Variogram,
     condition,
 )
+from subsoil.arrays import Floats
 from subsoil.kriging.covariance import Covariance
 from subsoil.kriging.grid.chebyshev import Stretch, squared_lags
 from subsoil.kriging.grid.smoothness import smoothness
 from subsoil.kriging.grid.tiles import Tiler
 from subsoil.variogram.models import Bounded
 
-Floats = NDArray[np.float64]
 KINDS: list[type[Bounded]] = [Spherical, Exponential, Circular, Matern32, Matern52, Gaussian]
 
 

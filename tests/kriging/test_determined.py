@@ -7,13 +7,11 @@ from collections.abc import Callable
 import mpmath
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import SingularSystemError
 from subsoil.kriging import at_targets, condition
 from subsoil.variogram import Bounded, Exponential, Gaussian, Matern32, Matern52
-
-Floats = NDArray[np.float64]
 
 AT_95 = {Matern32: 4.743864518390585, Matern52: 5.918361182842417}
 

@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.kriging import Kriged, at_targets, condition
 from subsoil.kriging.drift import Covariate, Drifted
 from subsoil.variogram import Exponential, Matern32, Nested, Spherical, Structure
 
-Floats = NDArray[np.float64]
 Kind = Callable[[Floats, Floats], Kriged]
 
 rng = np.random.default_rng(7)

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 from pykrige.uk import UniversalKriging
 from scipy.cluster.vq import kmeans2
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, SingularSystemError
 from subsoil.kriging import at_targets, condition
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted, leave_one_out_with
@@ -33,8 +33,6 @@ from subsoil.variogram import (
     Structure,
     estimator_named,
 )
-
-Floats = NDArray[np.float64]
 
 MODELS = (Exponential(20.0, 60.0, 300.0), Spherical(5.0, 45.0, 80.0), Matern32(9.0, 30.0, 700.0))
 NESTED = Nested(400.0, (Structure(0.5, Exponential, 40.0), Structure(0.4, Matern32, 90.0)))

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from subsoil import BoundedLinear, Exponential, Power, PureNugget, Spherical, condition
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, ReadingsError, SingularSystemError
 from subsoil.kriging import at_targets
 from subsoil.kriging.growing_stack import GrowingStack
 
-Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**31)
 
 

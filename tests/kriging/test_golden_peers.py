@@ -10,12 +10,10 @@ from pathlib import Path
 import gstools
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pykrige.ok import OrdinaryKriging as PyKrige
 
 from subsoil import Exponential, Gaussian, Power, Spherical, Variogram, condition
-
-Floats = NDArray[np.float64]
+from subsoil.arrays import Floats
 
 NUGGET, RANGE, PSILL, SLOPE = 0.3, 60.0, 1.7, 0.04
 CASES: dict[str, tuple[Variogram, str, dict[str, float]]] = {

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from subsoil import (
     BoundedLinear,
@@ -23,10 +22,9 @@ from subsoil import (
     Variogram,
     condition,
 )
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, ReadingsError, SingularSystemError
 from subsoil.kriging import at_targets
-
-Floats = NDArray[np.float64]
 
 MODELS: list[Callable[[float, float], Variogram]] = [
     lambda nugget, reach: Spherical(nugget, reach, 2.0),

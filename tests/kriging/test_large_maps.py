@@ -10,14 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 
 from subsoil.kriging import KrigedAt, at_targets, condition
 from subsoil.kriging.drift import Covariate, Drifted
 from subsoil.kriging.memory import needed_gib
 from subsoil.variogram import Exponential, Matern32, Nested, Spherical, Structure
-
-Floats = NDArray[np.float64]
 
 rng = np.random.default_rng(11)
 AT = rng.uniform(0, 500, (60, 2))

@@ -7,8 +7,8 @@ from math import isnan
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
 from subsoil.kriging import block_out, condition, leave_one_out
 from subsoil.kriging.leave_one_out import skill
@@ -27,8 +27,6 @@ from subsoil.variogram import (
     Variogram,
     semivariance,
 )
-
-Floats = NDArray[np.float64]
 
 AT = np.random.default_rng(3).uniform(0.0, 100.0, (14, 2))
 Z = np.random.default_rng(4).normal(1500.0, 200.0, (3, 14))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState, Sample
@@ -24,8 +24,6 @@ from subsoil.variogram import (
     paper_10,
     semivariance,
 )
-
-Floats = NDArray[np.float64]
 
 MEASURED, AT_LEAST, UNREACHED = LayerState.MEASURED, LayerState.AT_LEAST, LayerState.UNREACHED
 LAYERS = Layers((0.0, 0.1, 0.2, 0.4), (1.0, 2.0, 1.0))

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.stats import f as f_distribution
 from scipy.stats import norm
 
+from subsoil.arrays import Floats
 from subsoil.kriging import at_targets, condition
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
@@ -24,11 +24,9 @@ from subsoil.mapping.uncertainty import (
     mean_square_error,
     predicted_rmse,
     probability_above,
-    spaced,
+    subsample,
 )
 from subsoil.variogram import Exponential, Spherical
-
-Floats = NDArray[np.float64]
 
 FIELD = Field.from_metres([(0, 0), (60, 0), (60, 45), (0, 45)])
 CELLS = FIELD.cells
@@ -175,7 +173,7 @@ def test_a_cell_above_in_one_layer_is_decided_and_one_unsure_layer_leaves_it_ope
 
 @given(st.integers(1, 5000))
 def test_spaced_cells_are_distinct_and_span_the_field(cells: int) -> None:
-    index = spaced(cells)
+    index = subsample(cells)
     assert len(index) == min(cells, 300)
     assert len(set(index.tolist())) == len(index)
     assert index[0] == 0

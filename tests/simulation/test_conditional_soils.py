@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
+from subsoil.arrays import Floats
 from subsoil.datasets import riseholme
 from subsoil.errors import ReadingsError, SingularSystemError
 from subsoil.kriging import condition
@@ -18,8 +18,6 @@ from subsoil.simulation import Conditioned, Truth, conditional_truth
 from subsoil.simulation.soil import FLOOR_KPA
 from subsoil.variogram import Estimator, Fit, LeastSquares, Spherical
 from subsoil.variogram.models import Bounded, BoundedLinear
-
-Floats = NDArray[np.float64]
 
 FIELD = Field.from_metres([(0, 0), (40, 0), (40, 30), (0, 30)])
 LAYERS = Layers((0.0, 0.2, 0.4))

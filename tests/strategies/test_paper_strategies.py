@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.strategies import STRATEGIES, View, strategy_named
@@ -20,7 +21,6 @@ from subsoil.strategies.next_best_view import greedy, monte_carlo
 from subsoil.variogram import Spherical
 
 Look = Callable[..., View]
-Floats = NDArray[np.float64]
 
 SHORT = (Spherical(100.0, 9.0, 900.0), Spherical(100.0, 9.0, 900.0))
 """Variograms of so short a range that all cells away from a sample have the same KV."""

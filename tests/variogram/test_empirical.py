@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.distance import pdist
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.variogram import EmpiricalVariogram, Formula, empirical, empirical_layers
 
-Floats = NDArray[np.float64]
 WIDTH, CUTOFF = 10.0, 110.0
 
 

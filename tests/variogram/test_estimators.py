@@ -7,8 +7,8 @@ from math import hypot, inf, isnan, nan
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.variogram import (
     Bounded,
@@ -22,8 +22,6 @@ from subsoil.variogram import (
     paper_10,
     semivariance,
 )
-
-Floats = NDArray[np.float64]
 
 
 def readings(seed: int, n: int, layers: int = 1) -> tuple[Floats, Floats]:

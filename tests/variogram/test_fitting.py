@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.optimize import Bounds, differential_evolution, nnls
 from scipy.spatial.distance import cdist
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.variogram import (
     MODELS,
@@ -31,7 +31,6 @@ from subsoil.variogram import (
 )
 from subsoil.variogram.least_squares import solve
 
-Floats = NDArray[np.float64]
 LAG = np.arange(5.0, 115.0, 10.0)
 PAIRS = np.array([12, 31, 55, 72, 80, 88, 90, 84, 71, 60, 41])
 

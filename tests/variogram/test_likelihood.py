@@ -9,12 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.variogram import Exponential, Matern32
 from subsoil.variogram.likelihood import LARGEST_BLOCK, blocks, lags_of, restricted
-
-Floats = NDArray[np.float64]
 
 
 def correlations(at: Floats) -> Floats:

@@ -7,8 +7,8 @@ from math import inf, nan
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.kriging import condition
 from subsoil.land.field import Field
@@ -28,8 +28,6 @@ from subsoil.variogram import (
     semivariance,
 )
 from subsoil.variogram.nested import without_traces
-
-Floats = NDArray[np.float64]
 
 TERMS = (
     Structure(0.35, Exponential, 40.0),

@@ -8,15 +8,13 @@ from math import inf
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.variogram import Exponential, Gaussian, Matern32, Nested, Pooled
+from subsoil.variogram.layer_correlation import independent_layers
 from subsoil.variogram.likelihood import blocks
 from subsoil.variogram.models import BoundedLinear
-from subsoil.variogram.pooled import independent_layers
-
-Floats = NDArray[np.float64]
 
 SMALL = Pooled(
     kinds=(Exponential, Matern32), ranges=3, nugget_shares=(0.05, 0.4), nugget_weights=(2.0, 1.0)

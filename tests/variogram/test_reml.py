@@ -7,15 +7,13 @@ from math import exp, inf, log
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.variogram import Bounded, BoundedLinear, Exponential, Matern32, Nested, Spherical
 from subsoil.variogram.estimators import ESTIMATORS
 from subsoil.variogram.reml import FEWEST_SAMPLES, Reml
-
-Floats = NDArray[np.float64]
 
 
 def drawn(model: Bounded, seed: int, n: int = 60, layers: int = 1) -> tuple[Floats, Floats]:

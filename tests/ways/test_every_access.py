@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike, NDArray
 
 from subsoil.agent import drive
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
 from subsoil.land.field import Field
@@ -37,8 +38,6 @@ from subsoil.ways.moves import quantised, shorten
 from subsoil.ways.open_land import OpenLand
 from subsoil.ways.routing import length, reroute, tour, way
 from subsoil.ways.tours import short_tour
-
-Floats = NDArray[np.float64]
 
 PLOT = Field.from_metres([(0, 0), (60, 0), (60, 40), (0, 40)])
 YARD = Field.from_metres(

@@ -13,10 +13,10 @@ import pytest
 import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from subsoil.agent import Arrival, Assignment
+from subsoil.arrays import Floats
 from subsoil.journal.ahead import NOTHING_DRAWN
 from subsoil.journal.geopackage import geometry_of, initialise
 from subsoil.journal.gis import create, draw_targets
@@ -32,7 +32,6 @@ from subsoil.survey.events import Configured, Planned
 from subsoil.variogram import Spherical
 from subsoil.ways.open_land import OpenLand
 
-Floats = NDArray[np.float64]
 Place = tuple[float, float]
 
 MEADOW = [(0, 0), (100, 0), (100, 60), (0, 60)]

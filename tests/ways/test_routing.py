@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.land.field import Field
 from subsoil.ways.moves import PER_METRE, shorten
 from subsoil.ways.open_land import OpenLand
 from subsoil.ways.routing import length, reroute, tour, way
-
-Floats = NDArray[np.float64]
 
 OPEN = OpenLand(Field.from_metres([(0, 0), (310, 0), (310, 200), (0, 200)]))
 HEDGE = [(49, 0), (51, 0), (51, 90), (49, 90)]

@@ -13,13 +13,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from subsoil.arrays import Floats
 from subsoil.ways.moves import PER_METRE
 from subsoil.ways.tours import short_tour
-
-Floats = NDArray[np.float64]
 
 FAST_TSP_M = {
     ("uniform", 50): (5297.544, 5260.306, 5647.970, 5600.368),

@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import stats
 
+from subsoil.arrays import Floats
 from subsoil.bench.paper import RMSE_KPA
 from subsoil.bench.task import Entrant, Result, Row
 
-Floats = NDArray[np.float64]
 ByField = Mapping[int, float]
 """A number for each field."""
 

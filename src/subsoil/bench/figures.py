@@ -7,7 +7,6 @@ from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from subsoil.bench.comparison import Mean, Standing, curves, mean_of, paired
 from subsoil.bench.hand_survey import HandSurveys
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 _COLOURS = (
     "#999999", "#56b4e9", "#8c6d31", "#d55e00", "#cc79a7", "#0072b2", "#009e73", "#1a1a1a",

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Integers
 from subsoil.bench.paper import HAND_READINGS
 from subsoil.bench.task import Setting, hand_rng
 from subsoil.bench.truths import truth_of
 from subsoil.land.field import Field
 from subsoil.simulation import surrogate
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ def hand_surveys(setting: Setting, fields: int) -> HandSurveys:
     )
 
 
-def loose_grid(field: Field, rng: np.random.Generator) -> NDArray[np.int64]:
+def loose_grid(field: Field, rng: np.random.Generator) -> Integers:
     """Cells of a square grid of about 49 nodes, each moved up to a quarter of the spacing."""
     west, south, east, north = field.boundary.bounds
     spacing = float(np.sqrt(field.boundary.area / HAND_READINGS))

@@ -7,8 +7,8 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.cli.field import Crs, Edges, OptionalConeArea, ReadingsFile, ReadingUnit
 from subsoil.cli.options import (
     DEFAULT_EDGES,
@@ -45,7 +45,7 @@ class Material:
     layers: Layers
 
     @cached_property
-    def kpa(self) -> NDArray[np.float64]:
+    def kpa(self) -> Floats:
         """(m, n) layer means in kPa, NaN where not measured."""
         return self.readings.layer_means(self.layers)
 

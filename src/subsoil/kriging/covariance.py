@@ -8,12 +8,10 @@ from functools import cached_property
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.variogram.models import Bounded, Variogram
 from subsoil.variogram.nested import Nested
-
-Floats = NDArray[np.float64]
 
 AT_A_TIME = 1 << 22
 """Covariances held at a time beyond what is kept of them."""

@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 
+from subsoil.arrays import Floats
 from subsoil.land.field import Field
 from subsoil.variogram.nested import Nested
-
-Floats = NDArray[np.float64]
 
 
 class Designs:

@@ -18,12 +18,9 @@ scale nothing was wrong, and nothing is weighed.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats
 from subsoil.kriging.system import System
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 TO = 1e-6
 """Share of a mean, or of the range of the readings, to which answers are determined."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Indices
 from subsoil.kriging.covariance import lags, strips
 from subsoil.kriging.determined import is_delicate, undetermined
 from subsoil.kriging.readings import Readings
 from subsoil.kriging.system import System
 from subsoil.kriging.validity import not_determined
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class Solution:
     base: Floats
     mean: Floats
     variance: Floats
-    pins: NDArray[np.intp]
+    pins: Indices
     v: Floats | None
 
 
@@ -97,7 +95,7 @@ def _solved(system: System, targets: Floats) -> Solution:
 
 
 def check_determined(
-    system: System, targets: Floats, v: Floats, mean: Floats, pins: NDArray[np.intp]
+    system: System, targets: Floats, v: Floats, mean: Floats, pins: Indices
 ) -> None:
     """Check that readings, and not rounding, decide means (m, N) at (N, 2) targets.
 
@@ -132,7 +130,7 @@ def _seen(system: System, targets: Floats) -> tuple[Floats, Floats, Floats]:
     return lag, base, column
 
 
-def pin(readings: Readings, pins: NDArray[np.intp], mean: Floats, variance: Floats) -> None:
+def pin(readings: Readings, pins: Indices, mean: Floats, variance: Floats) -> None:
     """Set, in place, targets at a reading without noise to just that reading."""
     if len(pins):
         target, reading = pins.T

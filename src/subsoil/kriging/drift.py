@@ -20,9 +20,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial import KDTree
 
+from subsoil.arrays import Floats, Indices
 from subsoil.errors import ParameterError, SingularSystemError
 from subsoil.kriging.kriged_at import KrigedAt, variance_drop_of
 from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
@@ -31,7 +32,6 @@ from subsoil.kriging.prediction import Prediction
 from subsoil.kriging.system import System
 from subsoil.variogram import Variogram
 
-Floats = NDArray[np.float64]
 _ROUNDING = 1e-9
 """Share of what tells the slope that is rounding: without it, the rest tells none."""
 
@@ -208,9 +208,7 @@ class Drifted:
         joint = self.error_covariance(index)
         return ok.shaped(variance_drop_of(joint, index, ok.system.covariance.noise))
 
-    def error_covariance(
-        self, rows: NDArray[np.intp], columns: NDArray[np.intp] | slice = slice(None)
-    ) -> Floats:
+    def error_covariance(self, rows: Indices, columns: Indices | slice = slice(None)) -> Floats:
         """(g, k, l) covariance of the kriging errors, those of the slope included."""
         e = self.residual
         joint = self.estimate.error_covariance(rows, columns)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from subsoil.arrays import Floats
 
 _ROOM, _GROWTH = 32, 4
 """Rows of a new buffer, at least and per row there is. Memory is not touched before it is used."""

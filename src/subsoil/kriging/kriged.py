@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Protocol, Self
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats, Indices
 from subsoil.kriging.leave_one_out import LeaveOneOut
 from subsoil.kriging.prediction import Prediction
 from subsoil.variogram import Variogram
-
-Floats = NDArray[np.float64]
 
 
 class Kriged(Protocol):
@@ -40,9 +38,7 @@ class Kriged(Protocol):
     def append(self, at: ArrayLike, z: ArrayLike, *, error_variance: ArrayLike = 0.0) -> Self:
         """Krige from further readings as well; the same as from all at once."""
 
-    def error_covariance(
-        self, rows: NDArray[np.intp], columns: NDArray[np.intp] | slice = slice(None)
-    ) -> Floats:
+    def error_covariance(self, rows: Indices, columns: Indices | slice = slice(None)) -> Floats:
         """(g, k, l) covariance of the kriging errors of k targets with those of l."""
 
     def variance_drop(self, candidates: ArrayLike) -> Floats:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats, Indices
 from subsoil.kriging.covariance import lags
 from subsoil.kriging.direct import check_determined, combined, pin, solved, whitened
 from subsoil.kriging.growing_stack import GrowingStack
@@ -16,8 +17,6 @@ from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
 from subsoil.kriging.readings import checked_targets
 from subsoil.variogram import Variogram
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ class KrigedAt:
     base: Floats
     mean: Floats
     variance: Floats
-    pins: NDArray[np.intp]
+    pins: Indices
     kept: GrowingStack | None
 
     @property
@@ -134,9 +133,7 @@ class KrigedAt:
         """Each reading predicted from the others."""
         return leave_one_out(self.kriging)
 
-    def error_covariance(
-        self, rows: NDArray[np.intp], columns: NDArray[np.intp] | slice = slice(None)
-    ) -> Floats:
+    def error_covariance(self, rows: Indices, columns: Indices | slice = slice(None)) -> Floats:
         """(g, k, l) covariance of the kriging errors at k of the targets with those at l.
 
         With the terms of :mod:`subsoil.kriging.system`: ``c(s, t) + b(s) + b(t) - (c(0) + e1) -
@@ -150,14 +147,14 @@ class KrigedAt:
         joint += shift.T[:, :, None]
         return joint
 
-    def _v_at(self, which: NDArray[np.intp] | slice) -> Floats:
+    def _v_at(self, which: Indices | slice) -> Floats:
         """(g, n-1, k) v at some of the targets; all of it stays once many were asked for."""
         if isinstance(which, slice) or self.kept is not None or "v" in vars(self):
             return self.v.array[:, :, which]
         return whitened(self.kriging.system, self.targets[which])
 
 
-def variance_drop_of(joint: Floats, index: NDArray[np.intp], noise: Floats) -> Floats:
+def variance_drop_of(joint: Floats, index: Indices, noise: Floats) -> Floats:
     """(g, k, N) fall of the variance if one of k targets were probed.
 
     Parameters

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from math import nan
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Indices
 from subsoil.errors import ReadingsError
 from subsoil.kriging.ordinary import OrdinaryKriging, condition
 from subsoil.variogram import Variogram
-
-Floats = NDArray[np.float64]
 
 
 def skill(squared_error: Floats, squared_error_of_mean: Floats) -> float:
@@ -149,13 +147,13 @@ def _from_other_blocks(ok: OrdinaryKriging, block_m: float) -> tuple[Floats, Flo
     return ok.z[0] - residual, variance - system.readings.noise[0]
 
 
-def _blocks(at: Floats, block_m: float) -> NDArray[np.intp]:
+def _blocks(at: Floats, block_m: float) -> Indices:
     """(n,) number of the square block that each of (n, 2) places lies in."""
     return np.unique(np.floor(at / block_m), axis=0, return_inverse=True)[1].ravel()
 
 
-def _found(at: Floats, among: Floats) -> NDArray[np.intp]:
+def _found(at: Floats, among: Floats) -> Indices:
     """(n,) where each of (n, 2) places is among (k, 2) distinct ones that hold them all."""
     rank = np.unique(at, axis=0, return_inverse=True)[1].ravel()
-    order: NDArray[np.intp] = np.lexsort((among[:, 1], among[:, 0]))
+    order: Indices = np.lexsort((among[:, 1], among[:, 0]))
     return order[rank]

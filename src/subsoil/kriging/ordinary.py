@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.kriging.covariance import Covariance, lags
 from subsoil.kriging.direct import predicted
@@ -31,7 +32,6 @@ from subsoil.kriging.validity import (
 )
 from subsoil.variogram.models import Variogram
 
-Floats = NDArray[np.float64]
 Invalid = Literal["circular", "nan"]
 """What to do where the bounded linear model gives no valid system: the circular model, or NaN."""
 
@@ -186,7 +186,7 @@ class OrdinaryKriging:
             raise ill_conditioned(lowest[wrong[0]], self.variograms, int(wrong[0]))
         return self.with_circular(broken) if self.invalid == "circular" and broken.any() else self
 
-    def with_circular(self, models: NDArray[np.bool_]) -> OrdinaryKriging:
+    def with_circular(self, models: Bools) -> OrdinaryKriging:
         """Krige the (g,) marked bounded linear models by the circular one of the same slope."""
         covariance = with_circular(self.system.covariance, models)
         notes = (*self.notes, circular_note(models))

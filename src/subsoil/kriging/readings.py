@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, ReadingsError
-
-Floats = NDArray[np.float64]
 
 _MUCH_NOISIER = 100.0
 """How many times another reading's noise the first reading's may be."""

@@ -24,13 +24,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats, Indices
 from subsoil.kriging.covariance import Covariance, lags, strips
 from subsoil.kriging.growing_stack import GrowingStack
 from subsoil.kriging.readings import Readings
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,7 @@ class System:
         of_first = np.einsum("gi,gi->g", self.factor.sum(axis=2), self.factor.sum(axis=2))
         return np.concatenate([of_first[:, None], squares], axis=1)
 
-    def precision_among(self, some: NDArray[np.intp]) -> Floats:
+    def precision_among(self, some: Indices) -> Floats:
         """(g, k, k) rows and columns of B of k of the readings."""
         columns = self.factor[:, :, some - 1]
         if not some.all():
@@ -175,7 +173,7 @@ class Border:
     sound: bool
 
 
-def factorised(readings: Readings, covariance: Covariance) -> tuple[System, NDArray[np.bool_]]:
+def factorised(readings: Readings, covariance: Covariance) -> tuple[System, Bools]:
     """Solve a system from its readings, O(n^3).
 
     Returns

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import SingularSystemError
 from subsoil.kriging.covariance import Covariance, lags
 from subsoil.kriging.readings import Readings
 from subsoil.variogram.models import BoundedLinear, Variogram
-
-Bools = NDArray[np.bool_]
-Floats = NDArray[np.float64]
 
 
 def replaceable(covariance: Covariance) -> Bools:

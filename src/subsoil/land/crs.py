@@ -11,8 +11,9 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats
 from subsoil.errors import BoundaryError, brief, listed
 
 if TYPE_CHECKING:
@@ -151,7 +152,7 @@ def metres_frame(name: str, at: tuple[float, float]) -> str:
     return utm_crs(float(longitude), float(latitude))
 
 
-def project(source: str, target: str, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+def project(source: str, target: str, x: ArrayLike, y: ArrayLike) -> Floats:
     """(n, 2) coordinates in one frame of (n,) coordinates x, y in another.
 
     Raises

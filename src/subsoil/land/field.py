@@ -16,14 +16,12 @@ from typing import cast
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import BoundaryError, ParameterError, brief
 from subsoil.land.crs import WGS84, check_metric, metres_frame, project, utm_crs
 from subsoil.land.outline import Area, check_extent, check_lonlat, check_outline, polygon
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _SQUARE_METRES_A_HECTARE = 10_000.0
 
@@ -42,7 +40,7 @@ class Grid:
 
     easting: Floats
     northing: Floats
-    inside: NDArray[np.bool_]
+    inside: Bools
 
     def image(self, values: ArrayLike) -> Floats:
         """Lay values of cells, (..., N), out as (..., ny, nx) with NaN outside the field."""
@@ -241,7 +239,7 @@ class Field:
             )
         return int(np.argmin(((self.cells - place) ** 2).sum(axis=1)))
 
-    def contains(self, at: ArrayLike) -> NDArray[np.bool_]:
+    def contains(self, at: ArrayLike) -> Bools:
         """Whether (n, 2) places in m lie in the field or on its edge, and not in a keep-out."""
         at = np.atleast_2d(np.asarray(at, dtype=float))
         return np.asarray(shapely.intersects_xy(self._probeable, at[:, 0], at[:, 1]))

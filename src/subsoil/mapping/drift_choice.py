@@ -7,16 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import ParameterError
 from subsoil.kriging.drift import Covariate, leave_one_out_with
 from subsoil.kriging.leave_one_out import leave_one_out
 from subsoil.kriging.ordinary import condition
 from subsoil.variogram import Fit
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 DriftRule = Literal["auto", "always", "never"]
 """When a layer follows the covariate: where it predicts better, wherever it can, or nowhere."""
 

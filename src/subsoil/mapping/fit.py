@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.layers import Layers
 from subsoil.mapping.drift_choice import DriftRule, learn
@@ -23,8 +20,6 @@ from subsoil.variogram import (
     estimator_named,
     name_of,
 )
-
-Floats = NDArray[np.float64]
 
 DEFAULT_LAYERS = Layers()
 DEFAULT_ESTIMATOR = "pmc"
@@ -106,6 +101,7 @@ def fit(
 
     Examples
     --------
+    >>> import numpy as np
     >>> rng = np.random.default_rng(1)
     >>> at = rng.uniform(0, 100, (40, 2))
     >>> kpa = 900 + 200 * np.sin(at[:, :1] / 30) + rng.normal(0, 20, (40, 2))

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.kriging import LeaveOneOut, condition, leave_one_out
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, leave_one_out_with
 from subsoil.variogram.models import Variogram
-
-Floats = NDArray[np.float64]
 
 FEWEST = 3
 """Readings in a layer below which none can be left out."""

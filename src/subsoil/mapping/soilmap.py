@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import InitVar, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError
 from subsoil.kriging import Kriged, at_targets, condition
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
@@ -20,11 +21,10 @@ from subsoil.mapping.stack import Stack, in_units
 from subsoil.notebook import table
 from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
+from subsoil.variogram.reach import by_reach
 
 if TYPE_CHECKING:
     from xarray import Dataset
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -130,8 +130,8 @@ class SoilMap:
 
         Exact. Costs O(n N) a layer where this map was kriged already, and nothing otherwise.
         """
-        start = vars(self).get("stacks", self._start)
-        return replace(self, samples=(*self.samples, sample), kriged=start)
+        kriged = vars(self).get("stacks", self._start)
+        return replace(self, samples=(*self.samples, sample), kriged=kriged)
 
     def refit(self, variograms: Sequence[Variogram]) -> SoilMap:
         """Map of the same samples under other variograms, one a layer."""
@@ -151,15 +151,19 @@ class SoilMap:
     @cached_property
     def stacks(self) -> tuple[Stack, ...]:
         """Layers by the samples that reached them and by drift; those without samples in none."""
-        alike: dict[tuple[bytes, bool], list[int]] = {}
-        for layer, reached in enumerate(np.isfinite(self.kpa)):
-            if reached.any():
-                alike.setdefault((reached.tobytes(), layer in self.drift), []).append(layer)
         before = {stack.layers: stack for stack in self._start}
         return tuple(
             self._followed(before[layers]) if layers in before else self._begun(layers)
-            for layers in map(tuple, alike.values())
+            for _, alike in by_reach(self.kpa)
+            for layers in self._by_drift(alike)
         )
+
+    def _by_drift(self, layers: Integers) -> Iterator[tuple[int, ...]]:
+        """Those of some layers that follow no covariate, and those that do."""
+        follows = np.isin(layers, self.drift)
+        for part in (layers[~follows], layers[follows]):
+            if len(part):
+                yield tuple(part.tolist())
 
     def _begun(self, layers: tuple[int, ...]) -> Stack:
         """Krige layers from nothing."""

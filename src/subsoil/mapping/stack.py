@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Integers
 from subsoil.kriging import Kriged
 from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ class Stack:
         """(g, N) kriging variance of the layers."""
         return self.unit[:, None] * self.estimate.prediction.variance
 
-    def variance_drop(self, cells: NDArray[np.int64]) -> Floats:
+    def variance_drop(self, cells: Integers) -> Floats:
         """(g, k, N) fall of the variance if one of k cells were probed."""
         return self.unit[:, None, None] * self.estimate.variance_drop(cells)
 

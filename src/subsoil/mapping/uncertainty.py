@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan, sqrt
+from math import nan
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import fdtr, fdtri, ndtr
 
+from subsoil.arrays import Bools, Floats, Integers
 from subsoil.mapping.soilmap import SoilMap
-
-Floats = NDArray[np.float64]
-
-_LIKENESS = 0.9
-"""Correlation of two layers' errors per correlation of their readings."""
-_FEWEST_PAIRS = 3
-"""Samples of two layers that tell a correlation."""
+from subsoil.variogram.layer_correlation import layer_correlation
 
 
 def standard_deviation(variance: ArrayLike) -> Floats:
@@ -107,12 +102,12 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
     if not soil_map.field_kv > 0:
         return MeanSquare(soil_map.field_kv, nan, nan)
     mean, square = np.zeros(len(soil_map.layers)), np.zeros(len(soil_map.layers))
-    cells = spaced(len(soil_map.cells))
+    cells = subsample(len(soil_map.cells))
     for stack in soil_map.stacks:
         p = stack.unit[:, None, None] * stack.estimate.error_covariance(cells, cells)
         mean[list(stack.layers)] = np.diagonal(p, axis1=1, axis2=2).mean(axis=1)
         square[list(stack.layers)] = np.mean(p * p, axis=(1, 2))
-    weights, likeness = np.asarray(soil_map.layers.weights), _likeness(soil_map.kpa) ** 2
+    weights, likeness = np.asarray(soil_map.layers.weights), layer_correlation(soil_map.kpa) ** 2
     total = float(weights @ mean) ** 2
     errors = total / float((weights * np.sqrt(square)) @ likeness @ (weights * np.sqrt(square)))
     sills = (n - 1) * total / float((weights * mean) @ likeness @ (weights * mean))
@@ -143,7 +138,7 @@ def probability_above(mean: ArrayLike, deviation: ArrayLike, threshold: float) -
     return result
 
 
-def decided(above: Floats, confidence: float) -> NDArray[np.bool_]:
+def decided(above: Floats, confidence: float) -> Bools:
     """(N,) cells known to be above a threshold in some layer, or in none, with a confidence.
 
     The probability that some layer is above is at least the greatest of the layers' own, which
@@ -166,29 +161,6 @@ def decided(above: Floats, confidence: float) -> NDArray[np.bool_]:
     return np.asarray(np.maximum(greatest, 1.0 - greatest) >= confidence)
 
 
-def spaced(cells: int, most: int = 300) -> NDArray[np.int64]:
+def subsample(cells: int, most: int = 300) -> Integers:
     """Indices of at most so many of a number of cells, evenly spaced in their order."""
     return np.linspace(0, cells - 1, min(cells, most)).round().astype(np.int64)
-
-
-def _likeness(kpa: Floats) -> Floats:
-    """(m, m) correlation taken for that of the layers' errors, from (m, n) readings.
-
-    Two layers that too few samples reached, or whose readings do not vary, count as one.
-    """
-    m = len(kpa)
-    result = np.eye(m)
-    for i in range(m):
-        for j in range(i):
-            result[i, j] = result[j, i] = _LIKENESS * _correlation(kpa[[i, j]])
-    return result
-
-
-def _correlation(pair: Floats) -> float:
-    """Correlation of (2, n) readings over those that both layers have; 1 where there is none."""
-    both = pair[:, np.isfinite(pair).all(axis=0)]
-    if both.shape[1] < _FEWEST_PAIRS:
-        return 1.0
-    a, b = both - both.mean(axis=1, keepdims=True)
-    size = sqrt(float(a @ a) * float(b @ b))
-    return float(a @ b) / size if size > 0 else 1.0

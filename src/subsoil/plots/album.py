@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.io.write.whole import whole
 from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
@@ -113,7 +113,7 @@ def draw_survey(
     }
 
 
-def way(survey: Survey) -> NDArray[np.float64]:
+def way(survey: Survey) -> Floats:
     """(p, 2) places in m along the way of a survey.
 
     It leads from the start, where that was decided, through the samples in order, around

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import ReadingsError
 from subsoil.layers import LayerState
 from subsoil.mapping.soilmap import SoilMap
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 _ARROW = [(0.0, 0.0), (1.0, 0.0), (0.7, 0.2), (1.0, 0.0), (0.7, -0.2), (1.0, 0.0)]
 ROOT_LIMIT_KPA = 2000.0
@@ -67,7 +66,7 @@ def profiles(soil_map: SoilMap, *, caption: str = "") -> Figure:
     return figure
 
 
-def _draw_bounds(axes: Axes, values: Floats, bound: NDArray[np.bool_], depth: Floats) -> None:
+def _draw_bounds(axes: Axes, values: Floats, bound: Bools, depth: Floats) -> None:
     """Arrow to the right from every lower bound among (m, n) values."""
     if not bound.any():
         return

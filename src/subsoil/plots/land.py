@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.land.field import Field
 from subsoil.layers import LayerState
 from subsoil.plots.sheet import INK, SMALL, Sheet, place
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 _MARGIN = 0.04
 _CROWDED = 60

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
 from subsoil.plots.sheet import COLD, FAINT, SMALL, TEXT, WARM, Sheet, blank, head
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from subsoil.survey.outlook import Outlook
     from subsoil.survey.progress import Progress
 
-Floats = NDArray[np.float64]
 
 _MOST_TICKS = 7
 _THOUSAND = 1000.0

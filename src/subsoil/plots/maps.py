@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
 from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.image import AxesImage
 
-Floats = NDArray[np.float64]
 
 _MARK_WIDTH = 1.3
 """Room in inches for a mark and its name in a legend."""

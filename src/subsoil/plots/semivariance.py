@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.plots.sheet import COLD, FAINT, INK, SMALL, TEXT, WARM, blank, head, sheet
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 _THOUSAND = 1000.0
 _CLOSE = 0.1
@@ -120,7 +119,7 @@ def _write(axes: Axes, words: str, colour: str, *, up: float) -> None:
     )  # fmt: skip
 
 
-def _count_pairs(axes: Axes, lag: Floats, pairs: NDArray[np.int64]) -> None:
+def _count_pairs(axes: Axes, lag: Floats, pairs: Integers) -> None:
     """Write the pairs of each bin above it, a line lower where the last one is close."""
     lower, last = False, -np.inf
     for x, number in zip(lag, pairs, strict=True):

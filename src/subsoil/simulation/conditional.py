@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import LinAlgError, cholesky
 from scipy.spatial.distance import pdist, squareform
 from threadpoolctl import threadpool_limits
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, SingularSystemError
 from subsoil.kriging import condition
 from subsoil.land.field import Field
@@ -25,8 +26,6 @@ from subsoil.simulation.surrogate import SPHERICAL, check_readings, fitted
 from subsoil.simulation.truth import Conditioned, Truth
 from subsoil.variogram import Estimator
 from subsoil.variogram.models import Variogram
-
-Floats = NDArray[np.float64]
 
 _FEWEST_WHOLE = 3
 """Readings of all layers without which their correlation is not known at all."""

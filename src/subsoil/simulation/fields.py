@@ -8,8 +8,8 @@ from typing import Literal, get_args
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers
@@ -18,8 +18,6 @@ from subsoil.simulation.surrogate import krige_layers
 from subsoil.simulation.truth import Truth
 from subsoil.variogram import paper_10
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Protocol = Literal["surrogate", "signal"]
 """What counts as the truth: the kriged map of 286 samples read without noise, or the soil itself
 read with its push-to-push deviation."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.layers import Layers
 from subsoil.penetrometer import Cone, Insertion
-
-Floats = NDArray[np.float64]
 
 _STONE_N_PER_M = 200_000.0
 """Rise of the force on a stone: 600 N within 3 mm."""

@@ -11,16 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky
 from scipy.spatial.distance import pdist, squareform
 from threadpoolctl import threadpool_limits
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import SingularSystemError
 from subsoil.land.field import Field
 from subsoil.variogram.models import Bounded, model_named
-
-Floats = NDArray[np.float64]
 
 FLOOR_KPA = 20.0
 """Least resistance of a random soil, about that of loose dry topsoil, in kPa."""
@@ -199,7 +197,7 @@ def _depth_inside(field: Field, at: Floats) -> Floats:
     return np.where(shapely.intersects(field.boundary, points), distance, -distance)
 
 
-def _on_tramline(soil: Soil, field: Field, at: Floats) -> NDArray[np.bool_]:
+def _on_tramline(soil: Soil, field: Field, at: Floats) -> Bools:
     """(n,) whether places lie on a strip along the field's long side."""
     corners = shapely.get_coordinates(shapely.oriented_envelope(field.boundary))
     sides = np.diff(corners[:3], axis=0)

@@ -6,17 +6,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
 from subsoil.kriging import condition
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation.truth import Kriged, Truth
 from subsoil.variogram import Estimator, Fit, LeastSquares, Spherical
-
-Floats = NDArray[np.float64]
 
 SPHERICAL = LeastSquares(Spherical)
 """Spherical model by least squares, layer by layer."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation.soil import Soil
 from subsoil.variogram import Fit
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

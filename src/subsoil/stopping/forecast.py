@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.layers import LayerState, Sample
 from subsoil.mapping.soilmap import SoilMap
-from subsoil.mapping.uncertainty import predicted_rmse, spaced
-
-Floats = NDArray[np.float64]
+from subsoil.mapping.uncertainty import predicted_rmse, subsample
 
 
 def forecast(soil_map: SoilMap, cells: Sequence[int]) -> Floats:
@@ -54,7 +52,7 @@ def further(soil_map: SoilMap, taken: Sequence[int], planned: Sequence[int], k: 
     planned
         Cells that will be probed before.
     """
-    index = spaced(len(soil_map.cells))
+    index = subsample(len(soil_map.cells))
     for cell in planned:
         soil_map = _probed(soil_map, cell)
     coarse = replace(soil_map, subset=tuple(index.tolist()))

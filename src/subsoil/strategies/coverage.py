@@ -6,17 +6,14 @@ from math import ceil
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from shapely.geometry import LineString
 
+from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.strategies.view import Plan, View
 from subsoil.ways.routing import reroute, tour
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _POINTS_A_CELL = 10
 """Points along the W to choose stops from, on the length of a cell."""

@@ -7,8 +7,8 @@ from math import inf, isfinite
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools
 from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.notebook import table
@@ -93,10 +93,10 @@ class View:
         return (*self.visited, *self.repeats)
 
     @property
-    def free(self) -> NDArray[np.bool_]:
+    def free(self) -> Bools:
         """(N,) cells in reach that are neither probed, refused, planned nor on anybody's way."""
         (away,) = self.access.between(self.position, self.access.at)
-        mask: NDArray[np.bool_] = self.access.stops & np.isfinite(away)
+        mask: Bools = self.access.stops & np.isfinite(away)
         mask[[*self.visited, *self.refused, *self.leased, *self.plan]] = False
         return mask
 

@@ -5,16 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from subsoil.mapping.uncertainty import MeanSquare, mean_square_error, predicted_rmse
 from subsoil.stopping import FEWEST, SureRmse, TargetRmse, forecast, further
 from subsoil.survey import Survey
 from subsoil.variogram import ESTIMATORS, LeastSquares
 from subsoil.ways.routing import length, reroute
-
-Floats = NDArray[np.float64]
 
 SURE = 0.8
 """Probability with which the error is below what is said of it."""

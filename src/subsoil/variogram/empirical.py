@@ -18,12 +18,11 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError, ReadingsError
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Formula = Literal["matheron", "cressie-hawkins"]
 
 CUTOFF_SHARE = 1 / 3
@@ -52,7 +51,7 @@ class EmpiricalVariogram:
 
     lag: Floats
     semivariance: Floats
-    pairs: Ints
+    pairs: Integers
     estimator: Formula = "matheron"
 
     def __post_init__(self) -> None:
@@ -64,10 +63,10 @@ class EmpiricalVariogram:
 class _Pairs:
     """Pairs of places within the cut-off: who, how far apart and in which bin; all (p,)."""
 
-    one: Ints
-    other: Ints
+    one: Integers
+    other: Integers
     distance: Floats
-    bin: Ints
+    bin: Integers
 
 
 def empirical(

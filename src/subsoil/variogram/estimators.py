@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, brief
 from subsoil.registry import NOBODY, Allowed, Registry
 from subsoil.variogram.empirical import (
@@ -35,7 +35,6 @@ from subsoil.variogram.reml import Reml
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-Floats = NDArray[np.float64]
 
 Estimator = Callable[[Floats, Floats], tuple[Fit, ...]]
 """What a survey calls after a reading: places (n, 2) in m and values (m, n), NaN where a layer was

@@ -13,15 +13,14 @@ from math import inf, isclose, nan
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, ReadingsError
 from subsoil.variogram.empirical import EmpiricalVariogram
 from subsoil.variogram.least_squares import ZOOMS, geometric, padded, search
 from subsoil.variogram.models import Bounded
 from subsoil.variogram.nested import Nested
 
-Floats = NDArray[np.float64]
 Weights = Literal["pairs", "pairs/lag2", "pairs/gamma2"]
 
 FEWEST_PAIRS = 3

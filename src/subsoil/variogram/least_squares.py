@@ -13,11 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats, Indices, Integers
 from subsoil.variogram.models import Bounded
-
-Floats = NDArray[np.float64]
 
 ZOOMS = 7
 """Finer grids after the first; each narrows the range twelvefold, to about 1e-8 of it in all."""
@@ -26,7 +24,7 @@ ROUNDING = 1e-13
 """Sums of squares that differ by less than this share of the data's own are equally good."""
 
 
-def padded(rows: Sequence[NDArray[np.float64] | NDArray[np.int64]], fill: float) -> Floats:
+def padded(rows: Sequence[Floats | Integers], fill: float) -> Floats:
     """Rows of unequal lengths as one array (m, b), filled up on the right.
 
     Examples
@@ -107,12 +105,12 @@ def solve(
     return nugget, psill, (w * residual * residual).sum(axis=-1)
 
 
-def _first_least(squares: Floats, alike: Floats) -> NDArray[np.intp]:
+def _first_least(squares: Floats, alike: Floats) -> Indices:
     """(m,) first column of (m, k) that is as small as the smallest, to within (m,) rounding."""
     enough = squares.min(axis=1) + alike
-    first: NDArray[np.intp] = (squares <= enough[:, None]).argmax(axis=1)
+    first: Indices = (squares <= enough[:, None]).argmax(axis=1)
     return first
 
 
-def _ratio(over: Floats, under: Floats, where: NDArray[np.bool_]) -> Floats:
+def _ratio(over: Floats, under: Floats, where: Bools) -> Floats:
     return np.divide(over, under, out=np.zeros_like(over), where=where)

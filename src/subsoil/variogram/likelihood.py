@@ -14,11 +14,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from subsoil.arrays import Floats, Integers
 
 LARGEST_BLOCK = 100
 """Readings up to which their likelihood is taken whole."""

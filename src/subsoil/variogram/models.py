@@ -18,11 +18,10 @@ from math import inf, pi
 from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, brief
-
-Floats = NDArray[np.float64]
 
 
 @runtime_checkable

@@ -9,12 +9,10 @@ from math import inf
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.variogram.models import Bounded, name_of_kind
-
-Floats = NDArray[np.float64]
 
 _AT_THE_RANGE = 0.05
 """Correlation at the practical range."""

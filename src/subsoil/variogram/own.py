@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, SubsoilError, brief
 from subsoil.variogram.empirical import empirical_layers
 from subsoil.variogram.fitting import Fit
 from subsoil.variogram.models import Bounded
 from subsoil.variogram.nested import Nested
 
-Floats = NDArray[np.float64]
 Own = Callable[[Floats, Floats], Sequence[Fit | Bounded | Nested]]
 """From places (n, 2) in m and values (m, n), NaN where a layer was not measured, to a fit or a
 model for each layer."""

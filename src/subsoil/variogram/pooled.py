@@ -18,30 +18,23 @@ from functools import cached_property
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import ParameterError
 from subsoil.variogram.empirical import empirical_layers
 from subsoil.variogram.fitting import Fit
+from subsoil.variogram.layer_correlation import independent_layers
 from subsoil.variogram.likelihood import blocks, lags_of, restricted
 from subsoil.variogram.models import Bounded, Exponential, Gaussian, Matern32
 from subsoil.variogram.nested import Nested
 from subsoil.variogram.posterior import Posterior
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Integers = NDArray[np.int64]
+from subsoil.variogram.reach import by_reach
 
 FEWEST_SAMPLES = 3
 """Samples of a layer below which it says nothing of the correlogram."""
 EXTENT_M = 222.0
 """Diagonal in m of the field that the ranges are those of as they stand, one of 2.3 ha."""
-_SHRINKING = 0.9
-"""Weight of the layers' sample correlation against none."""
-_UNKNOWN_LAYERS = 2.0
-"""Independent layers assumed while samples are too few for a correlation."""
-_FEWEST_FOR_CORRELATION = 4
 
 
 @dataclass(frozen=True)
@@ -179,7 +172,7 @@ class Pooled:
     def _log_likelihood(self, at: Floats, z: Floats) -> Floats:
         """(a, b, c) log likelihood of the grid, summed over layers."""
         total = np.zeros((len(self.kinds), self.ranges, len(self.nugget_shares)))
-        for reached, layers in _by_reach(z):
+        for reached, layers in by_reach(z):
             here = np.flatnonzero(reached)
             for block in blocks(at[here]):
                 members = here[block]
@@ -208,7 +201,7 @@ class Pooled:
         """
         sills = np.full(len(z), np.nan)
         shape = Nested(1.0, posterior.structures)
-        for reached, layers in _by_reach(z):
+        for reached, layers in by_reach(z):
             values = z[np.ix_(layers, np.flatnonzero(reached))]
             differ = np.ptp(values, axis=1) > 0
             if differ.any():
@@ -219,42 +212,10 @@ class Pooled:
         return sills
 
 
-def independent_layers(z: Floats) -> float:
-    """Effective number of independent layers among (m, n) values, NaN where not measured.
-
-    (sum of eigenvalues)^2 / sum of their squares, of the layers' correlation shrunk towards none
-    by a tenth (participation ratio; Bretherton et al. 1999, J. Climate 12, 1990): m^2 over the sum
-    of squared correlations. Two layers correlate by the samples that reached both.
-
-    Examples
-    --------
-    >>> round(independent_layers(np.array([[1.0, 5.0, 2.0, 8.0], [2.0, 10.0, 4.0, 16.0]])), 3)
-    1.105
-    """
-    reached = np.isfinite(z)
-    if reached.all(axis=0).sum() < _FEWEST_FOR_CORRELATION:
-        return min(_UNKNOWN_LAYERS, float(len(z)))
-    away = np.where(reached, z - np.nanmean(z, axis=1, keepdims=True), 0.0)
-    away /= np.sqrt((away**2).sum(axis=1, keepdims=True) / reached.sum(axis=1, keepdims=True))
-    known = reached.astype(float)
-    correlation = away @ away.T / (known @ known.T)
-    shrunk = _SHRINKING * correlation + (1.0 - _SHRINKING) * np.eye(len(z))
-    return float(len(z) ** 2 / (shrunk**2).sum())
-
-
 def _telling(z: Floats) -> Bools:
     """(m,) layers whose samples say something of the correlogram: some, and they differ."""
     known = [layer[np.isfinite(layer)] for layer in z]
     return np.array([k.size >= FEWEST_SAMPLES and np.ptp(k) > 0 for k in known])
-
-
-def _by_reach(z: Floats) -> list[tuple[Bools, Integers]]:
-    """Layers that the same samples reached, with which these are; layers without any left out."""
-    groups: dict[bytes, list[int]] = {}
-    reached = np.isfinite(z)
-    for layer in np.flatnonzero(reached.any(axis=1)).tolist():
-        groups.setdefault(reached[layer].tobytes(), []).append(layer)
-    return [(reached[layers[0]], np.array(layers)) for layers in groups.values()]
 
 
 def _why(posterior: Posterior, samples: int, sill: float, known: int) -> str:

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.variogram.models import Bounded, name_of_kind
 from subsoil.variogram.nested import Structure, without_traces
-
-Floats = NDArray[np.float64]
 
 _TRACE = 1e-3
 """Share of the whole below which a structure is left out of the mean."""

@@ -12,18 +12,17 @@ from dataclasses import dataclass, replace
 from math import exp, inf, isclose, log
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import xlog1py, xlogy
 from threadpoolctl import threadpool_limits
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.variogram.empirical import EmpiricalVariogram, empirical_layers
 from subsoil.variogram.fitting import Fit
 from subsoil.variogram.likelihood import blocks, lags_of, restricted
 from subsoil.variogram.models import Bounded, Exponential
 from subsoil.variogram.pooled import Pooled
-
-Floats = NDArray[np.float64]
+from subsoil.variogram.reach import by_reach
 
 FEWEST_SAMPLES = 8
 """Samples of a layer below which two parameters are not fitted."""
@@ -97,16 +96,13 @@ class Reml:
         """Fit each layer of values (m, n) at places (n, 2), NaN where not measured."""
         lacks = [_lack(at, layer) for layer in z]
         pooled = Pooled()(at, z) if any(lacks) else ()
-        by_reach: dict[bytes, list[int]] = {}
-        for k, lack in enumerate(lacks):
-            if not lack:
-                by_reach.setdefault(np.isfinite(z[k]).tobytes(), []).append(k)
+        telling = np.flatnonzero([not lack for lack in lacks])
         found: dict[int, _Maximum] = {}
         with threadpool_limits(1, user_api="blas"):
-            for layers in by_reach.values():
-                reached = np.isfinite(z[layers[0]])
+            for reached, alike in by_reach(z[telling]):
+                layers = telling[alike]
                 maxima = self._maxima(at[reached], z[np.ix_(layers, reached)])
-                found.update(zip(layers, maxima, strict=True))
+                found.update(zip(layers.tolist(), maxima, strict=True))
         return tuple(
             self._fit(found[k], curve)
             if k in found

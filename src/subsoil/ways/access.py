@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from subsoil.arrays import Bools, Floats
 
 FARTHEST_M = 1e9
 """What a search takes for the length of a way that does not exist: more than any there is."""
@@ -24,7 +23,7 @@ class Access(Protocol):
     """
 
     @property
-    def stops(self) -> Flags:
+    def stops(self) -> Bools:
         """(N,) cells that may be stopped at."""
 
     @property

@@ -10,12 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Integers
 from subsoil.ways.access import finite
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Draw = Callable[[], float]
 
 PER_METRE = 1024

@@ -11,11 +11,9 @@ from __future__ import annotations
 from random import Random
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.ways.moves import quantised, shorten, stretches, to_the_nearest
-
-Floats = NDArray[np.float64]
 
 _ROUNDS, _STOPS = 100, 200
 """Rounds, and the stops up to which they are made; beyond, a round takes longer."""

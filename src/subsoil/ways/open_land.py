@@ -23,12 +23,11 @@ from scipy.sparse.csgraph import shortest_path
 from scipy.spatial.distance import cdist
 from shapely.geometry.polygon import orient
 
+from subsoil.arrays import Bools, Floats
 from subsoil.land.field import Field
 from subsoil.land.outline import Area
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
-Flags = NDArray[np.bool_]
 
 _GRAZE_M = 1e-6
 """How far a way may cut into what is barred: rounding, so that it can follow edges."""
@@ -60,7 +59,7 @@ class OpenLand:
         return self.field.cells
 
     @cached_property
-    def stops(self) -> Flags:
+    def stops(self) -> Bools:
         """(N,) all cells: those of a field lie outside its keep-outs."""
         everywhere = np.ones(len(self.field.cells), dtype=bool)
         everywhere.setflags(write=False)
@@ -236,7 +235,7 @@ def _looked(free: Area, walls: tuple[Floats, ...], corners: Floats, places: Floa
     return _Sight(at, np.hypot(*(places - at).T), seen)
 
 
-def _visible(walls: tuple[Floats, ...], a: Floats, b: Floats) -> Flags:
+def _visible(walls: tuple[Floats, ...], a: Floats, b: Floats) -> Bools:
     """(k, l) whether straight lines from (k, 2) to (l, 2) places in m on free land cross no wall.
 
     A line crosses an edge if its ends lie on different sides of the edge and the edge's ends on
@@ -254,7 +253,7 @@ def _visible(walls: tuple[Floats, ...], a: Floats, b: Floats) -> Flags:
     return clear
 
 
-def _bar(clear: Flags, walls: tuple[Floats, ...], a: Floats, b: Floats) -> None:
+def _bar(clear: Bools, walls: tuple[Floats, ...], a: Floats, b: Floats) -> None:
     """Strike out the lines from (k, 2) to (l, 2) places that cross a wall."""
     spanned = np.multiply.outer(a[:, 0], b[:, 1]) - np.multiply.outer(a[:, 1], b[:, 0])
     for wall in walls:
@@ -266,14 +265,14 @@ def _bar(clear: Flags, walls: tuple[Floats, ...], a: Floats, b: Floats) -> None:
             clear &= ~parted
 
 
-def _right(spanned: Floats, a: Floats, b: Floats, place: Floats) -> Flags:
+def _right(spanned: Floats, a: Floats, b: Floats, place: Floats) -> Bools:
     """(k, l) whether a place lies to one side of lines, given the cross products of their ends."""
     east, north = place
     own = np.add.outer(a[:, 0] * north - a[:, 1] * east, b[:, 1] * east - b[:, 0] * north)
     return np.asarray(spanned > own)
 
 
-def _left(places: Floats, start: Floats, end: Floats) -> Flags:
+def _left(places: Floats, start: Floats, end: Floats) -> Bools:
     """(k,) whether (k, 2) places lie to the left of an edge."""
     east, north = end - start
     return np.asarray(east * (places[:, 1] - start[1]) > north * (places[:, 0] - start[0]))

@@ -12,13 +12,12 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from subsoil.arrays import Floats
 from subsoil.ways.access import Access
 from subsoil.ways.moves import quantised, shorten
 from subsoil.ways.tours import short_tour
-
-Floats = NDArray[np.float64]
 
 
 def length(access: Access, start: ArrayLike, places: ArrayLike) -> float:

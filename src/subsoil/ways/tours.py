@@ -19,12 +19,11 @@ from math import sqrt
 from random import Random
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.ways.moves import Draw, quantised, stretches, to_the_nearest
 from subsoil.ways.one_way import one_way_tour
 
-Floats = NDArray[np.float64]
 Change = tuple[int, tuple[int, ...]]
 """Length that a move saves, and the nodes whose neighbours it changed; (0, ()) for no move."""
 

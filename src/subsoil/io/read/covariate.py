@@ -12,9 +12,9 @@ import io
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from subsoil.arrays import Bools, Floats
 from subsoil.errors import ReadingsError, brief, listed
 from subsoil.io.read.geotiff import read_geotiff
 from subsoil.io.read.places import Places
@@ -22,8 +22,6 @@ from subsoil.io.read.points import read_points
 from subsoil.io.read.text import POSITION_COLUMNS, check_file, number, read_text
 from subsoil.land.crs import project
 from subsoil.land.field import Field
-
-Floats = NDArray[np.float64]
 
 FARTHEST_CELLS = 5.0
 """Distance from a cell to the nearest point, in cells, up to which that stands for it."""
@@ -163,7 +161,7 @@ def _chosen(column: str | None, names: list[str], file: str) -> str:
     )
 
 
-def _check_covers(known: NDArray[np.bool_], field: Field, file: str) -> None:
+def _check_covers(known: Bools, field: Field, file: str) -> None:
     if known.all():
         return
     missing = np.flatnonzero(~known)

@@ -6,14 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief
 from subsoil.io.read.alone import alone
 from subsoil.land.field import Field
 from subsoil.optional import GEOTIFF, load
-
-Floats = NDArray[np.float64]
 
 _ANY_FRAME = "EPSG:32631"
 """Stands for the frame that field and raster share without naming it."""

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief, listed
-from subsoil.io.read.records import KPA, Floats, depth_of
+from subsoil.io.read.records import KPA, depth_of
 from subsoil.io.read.text import POSITION_COLUMNS
 
 _DEPTH = re.compile(

@@ -11,9 +11,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 
+from subsoil.arrays import Floats
 from subsoil.errors import BoundaryError, brief
 from subsoil.io.read.drawing import NOTHING, Drawing, Feature, draw, not_an_outline
 from subsoil.io.read.text import read_text
@@ -101,7 +101,7 @@ def _polygon(element: Element, where: str) -> Polygon:
     return Polygon(shell.exterior, [hole.exterior for hole in rings["innerBoundaryIs"]])
 
 
-def _corners(text: str, where: str) -> NDArray[np.float64]:
+def _corners(text: str, where: str) -> Floats:
     """(k, 2) longitudes and latitudes of ``lon,lat[,height]`` parted by blanks."""
     try:
         pairs = [word.split(",")[:2] for word in text.split()]

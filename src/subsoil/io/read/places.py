@@ -6,15 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Integers
 from subsoil.errors import ReadingsError
 from subsoil.land.crs import WGS84, check_metric, looks_swapped, metres_frame, project, utm_crs
 from subsoil.land.field import Field
 from subsoil.readings import Finding
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _SPOT_M = 0.05
 

@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
 from subsoil.io.read.geofile import read_layer
 from subsoil.io.read.geojson import features_of
 from subsoil.land.crs import WGS84
-
-Floats = NDArray[np.float64]
 
 
 def read_points(path: Path) -> tuple[Floats, dict[str, Floats], str]:

@@ -5,14 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief
 from subsoil.penetrometer import Cone
 from subsoil.readings import Finding
-
-Floats = NDArray[np.float64]
 
 KPA = {"kpa": 1.0, "mpa": 1000.0, "psi": 6.894757}
 """kPa in one of each unit of pressure; ``"n"``, newtons, needs a cone."""

@@ -18,9 +18,10 @@ from typing import Any
 import numpy as np
 import yaml
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief
 from subsoil.io.read.missing import is_missing
-from subsoil.io.read.records import Floats, Record, Recording, depth_of
+from subsoil.io.read.records import Record, Recording, depth_of
 from subsoil.io.read.text import read_text
 from subsoil.readings import Finding
 

@@ -9,16 +9,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.io.write.whole import whole
 from subsoil.land.crs import named_crs
 from subsoil.land.field import Field
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.optional import GEOTIFF, load
-
-Floats = NDArray[np.float64]
 
 _BLOCK = 256
 _COG = {

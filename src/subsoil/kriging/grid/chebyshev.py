@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from subsoil.arrays import Floats
 
 NODES = 12
 """Nodes to a stretch of an axis."""

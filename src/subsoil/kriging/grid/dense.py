@@ -11,17 +11,16 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
+from subsoil.arrays import Floats, Indices
 from subsoil.errors import ParameterError
 from subsoil.kriging.direct import predicted
 from subsoil.kriging.grid.chebyshev import NODES, Box, Stretch
 from subsoil.kriging.grid.tiles import Tiler
 from subsoil.kriging.system import System
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.intp]
 Run = Callable[[Callable[[Any], None], Iterable[Any]], object]
 """Call a function with each of some jobs."""
 

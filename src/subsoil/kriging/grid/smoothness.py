@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from math import inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats
 from subsoil.kriging.covariance import Shape
 from subsoil.kriging.grid.chebyshev import NODES, Stretch, squared_lags
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 _GAPS = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 20.0)
 """Distances tried, in half sides of a square."""

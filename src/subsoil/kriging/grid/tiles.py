@@ -21,15 +21,12 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats
 from subsoil.kriging.covariance import Shape
 from subsoil.kriging.grid.chebyshev import Box, Stretch, squared_lags, to_cells, to_nodes
 from subsoil.kriging.grid.smoothness import Smoothness, smoothness
 from subsoil.kriging.system import System
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 _STRIP = 1 << 16
 """Covariances in a strip of a tile: what stays in the cache of a processor core."""

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats, Integers
 from subsoil.ways.access import Access, finite
 from subsoil.ways.moves import shorten
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _START = -1
 """Row of the place where the route begins: the last one, behind those of the stops."""

@@ -14,16 +14,13 @@ from collections.abc import Sequence
 from math import exp, inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Bools, Floats, Integers
 from subsoil.kriging.designs import Designs
 from subsoil.strategies.joint.detours import Detours
 from subsoil.strategies.joint.options import Options, drawn
 from subsoil.strategies.joint.price import Price, Terms
 from subsoil.ways.access import Access
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _HOT, _COLD = 3e-4, 1e-5
 """First and last temperature of annealing, in units of the sill."""
@@ -67,7 +64,7 @@ class Exchange:
         start: tuple[float, float],
         fixed: Sequence[int],
         route: Sequence[int],
-        free: NDArray[np.bool_],
+        free: Bools,
         price: Price,
         driven: float = 0.0,
     ) -> None:

@@ -21,14 +21,13 @@ from collections.abc import Sequence
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
 from subsoil.strategies.joint.exchange import Exchange
 from subsoil.strategies.view import Plan, View
 
-Floats = NDArray[np.float64]
 Stops = tuple[int, ...]
 
 _LEAST_GAIN = 0.005
