@@ -5,16 +5,22 @@ from __future__ import annotations
 import subprocess
 import sys
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from subsoil.kriging import KrigedAt, at_targets, condition
+from subsoil.arrays import Floats
+from subsoil.errors import SingularSystemError
+from subsoil.kriging import KrigedAt, at_cells, at_targets, condition
 from subsoil.kriging.drift import Covariate, Drifted
 from subsoil.kriging.memory import needed_gib
-from subsoil.variogram import Exponential, Matern32, Nested, Spherical, Structure
+from subsoil.land.field import Field
+from subsoil.layers import Layers, Sample
+from subsoil.mapping.soilmap import SoilMap
+from subsoil.variogram import Exponential, Gaussian, Matern32, Nested, Spherical, Structure
 
 rng = np.random.default_rng(11)
 AT = rng.uniform(0, 500, (60, 2))
@@ -85,6 +91,88 @@ def test_a_large_map_looks_ahead_as_its_parts_do(model: Nested) -> None:
     assert_allclose(whole[:, :, PART], expected, rtol=1e-9, atol=1e-12 * scale)
     drop = large.variance_drop(PART[few])[..., PART]
     assert_allclose(drop, part.variance_drop(few), rtol=1e-9, atol=1e-12 * scale)
+
+
+def large_field() -> Field:
+    """An L of 76 800 cells, readings of the module at the centres of some."""
+    corners = [(0, 0), (500, 0), (500, 250), (250, 250), (250, 500), (0, 500)]
+    return Field.from_metres(corners, cell_size=500 / 320)
+
+
+def at_some_centres(field: Field) -> Floats:
+    at = AT.copy()
+    at[:20] = field.cells[:: len(field.cells) // 20][:20]
+    return at
+
+
+@pytest.mark.parametrize("exact", [False, True])
+@every_model
+def test_all_cells_of_a_large_field_are_kriged_as_one_by_one(model: Nested, exact: bool) -> None:
+    field = large_field()
+    at = at_some_centres(field)
+    ok = condition(model, at, Z, exact=exact)
+    whole, each = at_cells(ok, field), at_targets(ok, field.cells)
+    assert whole.kept is None
+    assert_allclose(whole.mean, each.mean, atol=1e-9 * Z.std())
+    assert_allclose(whole.variance, each.variance, rtol=0, atol=1e-9 * ok.system.scale.max())
+    assert np.array_equal(np.sort(whole.pins, axis=0), np.sort(each.pins, axis=0))
+    assert len(whole.pins) == 20
+    readings = np.array([[240.0, 230.0], at[3]]), np.full((3, 2), 900.0)
+    followed, expected = whole.append(*readings), each.append(*readings)
+    assert_allclose(followed.mean, expected.mean, atol=2e-9 * Z.std())
+    scale = ok.system.scale.max()
+    assert_allclose(followed.variance, expected.variance, rtol=0, atol=2e-9 * scale)
+
+
+@every_model
+def test_drift_over_a_large_field_is_as_cell_by_cell(model: Nested) -> None:
+    field = large_field()
+    ok = condition(model, at_some_centres(field), Z)
+    at, everywhere = ok.at, np.concatenate([field.cells, ok.at])
+    covariate = Covariate(everywhere, 30 + 10 * np.sin(everywhere[:, 0] / 60))
+    whole = Drifted(at_cells(ok, field), covariate)
+    each = Drifted(at_targets(ok, field.cells), covariate)
+    assert len(at) == len(AT)
+    assert_allclose(whole.prediction.mean, each.prediction.mean, atol=1e-9 * Z.std())
+    scale = each.prediction.variance.max()
+    assert_allclose(whole.prediction.variance, each.prediction.variance, rtol=0, atol=1e-9 * scale)
+    few = np.array([2, 700, 50_000])
+    assert_allclose(whole.error_covariance(few, few), each.error_covariance(few, few), rtol=1e-9)
+
+
+def test_a_strip_that_fills_little_of_its_rectangle_is_kriged_all_the_same() -> None:
+    field = Field.from_metres([(0, 0), (2000, 2000), (1990, 2000), (0, 10)], cell_size=0.5)
+    assert field.grid.inside.mean() < 0.01
+    ok = condition(POOLED, 4 * AT, Z)
+    some = np.arange(0, len(field.cells), 501)
+    assert_allclose(
+        at_cells(ok, field).mean[:, some], ok.predict(field.cells[some]).mean, rtol=1e-9
+    )
+
+
+def test_what_is_not_determined_is_refused_on_a_large_field_too() -> None:
+    field = large_field()
+    close = np.column_stack([100.0 + np.arange(6.0), 100.0 + 2 * np.arange(6.0)])
+    ok = condition(Gaussian(0.0, 400.0, 1e4), close, Z[0, :6])
+    with pytest.raises(SingularSystemError, match="not determined"):
+        at_cells(ok, field)
+    with pytest.raises(SingularSystemError, match="not determined"):
+        ok.predict_grid(field.grid.easting, field.grid.northing)
+
+
+def test_a_soil_map_of_a_large_field_is_as_that_of_its_cells() -> None:
+    field = large_field()
+    samples = tuple(
+        Sample((float(e), float(n)), z, np.zeros(3, dtype=np.int8))
+        for (e, n), z in zip(AT[:, :2], Z.T, strict=True)
+        if field.contains([(e, n)])[0]
+    )
+    layers = Layers((0.0, 0.1, 0.2, 0.3))
+    part = tuple(range(0, len(field.cells), 37))
+    whole = SoilMap(field, layers, (POOLED,) * 3, samples)
+    some = replace(whole, subset=part)
+    assert_allclose(whole.mean[:, part], some.mean, atol=1e-6)
+    assert_allclose(whole.kv[list(part)], some.kv, rtol=1e-9)
 
 
 def test_layers_kriged_together_are_as_kriged_alone_however_many_readings() -> None:

@@ -40,7 +40,7 @@ class Solution:
 def solved(system: System, targets: Floats) -> Solution:
     """Krige at (N, 2) targets, a block at a time; what fits in one block is kept."""
     blocks = _blocks(system, targets)
-    if len(blocks) == 1:
+    if fits_at_once(system, targets):
         return _solved(system, targets)
     (groups, _), layers = system.base.shape, len(system.readings.z)
     base, variance = np.empty((2, groups, len(targets)))
@@ -74,6 +74,22 @@ def combined(system: System, y: Floats, targets: Floats) -> Floats:
     for part in _blocks(system, targets):
         product[:, part] = np.matmul(weights, _seen(system, targets[part])[2])[:, 0]
     return product
+
+
+def fits_at_once(system: System, targets: Floats) -> bool:
+    """Whether (N, 2) targets are few enough to krige in one go and keep the work on them."""
+    return len(_blocks(system, targets)) == 1
+
+
+def base_at(system: System, targets: Floats) -> Floats:
+    """(g, N) b of :mod:`subsoil.kriging.system` at (N, 2) targets."""
+    lag = lags(system.readings.at[:1], targets)
+    return _base(system, system.covariance(lag)[:, 0])
+
+
+def _base(system: System, first: Floats) -> Floats:
+    """(g, N) b of targets from their covariances (g, N) with the first reading."""
+    return system.covariance.origin[:, None] + system.readings.noise[:, :1] - first
 
 
 def _blocks(system: System, targets: Floats) -> list[slice]:
@@ -122,10 +138,10 @@ def _seen(system: System, targets: Floats) -> tuple[Floats, Floats, Floats]:
     readings = system.readings
     lag = lags(readings.at, targets)
     k = system.covariance(lag)
-    e1 = readings.noise[:, :1]
-    base = system.covariance.origin[:, None] + e1 - k[:, 0]
+    base = _base(system, k[:, 0])
     column = k[:, 1:]
     column += base[:, None]
+    e1 = readings.noise[:, :1]
     column += (system.base - system.covariance.origin[:, None] - e1)[:, 1:, None]
     return lag, base, column
 

@@ -7,16 +7,30 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import KDTree
 
 from subsoil.arrays import Floats, Indices
 from subsoil.kriging.covariance import lags
-from subsoil.kriging.direct import check_determined, combined, pin, solved, whitened
+from subsoil.kriging.direct import (
+    base_at,
+    check_determined,
+    combined,
+    fits_at_once,
+    pin,
+    solved,
+    whitened,
+)
+from subsoil.kriging.grid.dense import predicted_on_grid
 from subsoil.kriging.growing_stack import GrowingStack
 from subsoil.kriging.leave_one_out import LeaveOneOut, leave_one_out
 from subsoil.kriging.ordinary import OrdinaryKriging
 from subsoil.kriging.prediction import Prediction
 from subsoil.kriging.readings import checked_targets
+from subsoil.land.field import Field
 from subsoil.variogram import Variogram
+
+_FILLED = 0.25
+"""Share of its rectangle that a field fills, from which on it is quicker to krige all of that."""
 
 
 @dataclass(frozen=True)
@@ -192,6 +206,35 @@ def at_targets(ok: OrdinaryKriging, targets: ArrayLike) -> KrigedAt:
     s = solved(ok.system, places)
     kept = None if s.v is None else GrowingStack(s.v)
     return _sound(KrigedAt(ok, places, s.base, s.mean, s.variance, s.pins, kept))
+
+
+def at_cells(ok: OrdinaryKriging, field: Field) -> KrigedAt:
+    """Krige at all cells of a field, ready to follow further readings.
+
+    As :func:`at_targets` with the cells, to about 1e-9 standard deviations of the readings and
+    sills: where there are too many to keep the work on them, and they fill a good part of their
+    rectangle, by :mod:`subsoil.kriging.grid.dense`, some ten times as fast.
+
+    Parameters
+    ----------
+    ok
+        Readings conditioned on.
+    field
+        The field of N cells.
+
+    Raises
+    ------
+    SingularSystemError
+        As :func:`at_targets`.
+    """
+    cells, grid = field.cells, field.grid
+    if fits_at_once(ok.system, cells) or grid.inside.mean() < _FILLED:
+        return at_targets(ok, cells)
+    mean, variance, _ = predicted_on_grid(ok.system, grid.easting, grid.northing)
+    away, nearest = KDTree(cells).query(ok.at)
+    pins = np.column_stack([nearest, np.arange(len(ok.at))])[away == 0.0]
+    inside = mean[:, grid.inside], variance[:, grid.inside]
+    return _sound(KrigedAt(ok, cells, base_at(ok.system, cells), *inside, pins, None))
 
 
 def _sound(estimate: KrigedAt) -> KrigedAt:

@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike
 
 from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError
-from subsoil.kriging import Kriged, at_targets, condition
+from subsoil.kriging import Kriged, at_cells, at_targets, condition
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
-from subsoil.mapping.stack import Stack, in_units
+from subsoil.mapping.stack import Stack, in_units, measured
 from subsoil.notebook import table
 from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
@@ -167,28 +167,22 @@ class SoilMap:
 
     def _begun(self, layers: tuple[int, ...]) -> Stack:
         """Krige layers from nothing."""
-        at, kpa, error = self._readings(layers)
+        at, kpa, error = measured(self.samples, layers)
         models, unit = in_units(tuple(self.variograms[k] for k in layers), error)
-        plain = at_targets(condition(models, at, kpa, error_variance=error), self.cells)
+        ok = condition(models, at, kpa, error_variance=error)
+        plain = at_targets(ok, self.cells) if self.subset else at_cells(ok, self.field)
         estimate: Kriged = Drifted(plain, self.covariate) if layers[0] in self.drift else plain
         return Stack(layers, estimate, unit, len(self.samples))
 
     def _followed(self, stack: Stack) -> Stack:
         """Bring a stack up to the last sample."""
-        at, kpa, error = self._readings(stack.layers, since=stack.samples)
+        at, kpa, error = measured(self.samples[stack.samples :], stack.layers)
         if not len(at):
             return replace(stack, samples=len(self.samples))
         if error.any() and (stack.unit != 1.0).any():
             return self._begun(stack.layers)
         estimate = stack.estimate.append(at, kpa, error_variance=error)
         return replace(stack, estimate=estimate, samples=len(self.samples))
-
-    def _readings(self, layers: tuple[int, ...], since: int = 0) -> tuple[Floats, Floats, Floats]:
-        """(n, 2) places, (g, n) kPa and (n,) error variances of samples that reached layers."""
-        samples = [s for s in self.samples[since:] if np.isfinite(s.measured_kpa[layers[0]])]
-        at = np.array([s.at for s in samples])
-        kpa = np.array([s.measured_kpa[list(layers)] for s in samples]).T
-        return at, kpa, np.array([s.error_variance for s in samples])
 
     @cached_property
     def mean(self) -> Floats:

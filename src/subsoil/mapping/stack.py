@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from subsoil.arrays import Floats, Integers
 from subsoil.kriging import Kriged
+from subsoil.layers import Sample
 from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
 
@@ -60,3 +62,11 @@ def in_units(
     if isinstance(first, Nested) and alike and not error.any():
         return first.with_sill(1.0), np.array([model.sill for model in models])
     return (first if len(set(models)) == 1 else models), np.ones(1)
+
+
+def measured(samples: Sequence[Sample], layers: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:
+    """(n, 2) places, (g, n) kPa and (n,) error variances of samples that reached g layers."""
+    reached = [s for s in samples if np.isfinite(s.measured_kpa[layers[0]])]
+    at = np.array([s.at for s in reached])
+    kpa = np.array([s.measured_kpa[list(layers)] for s in reached]).T
+    return at, kpa, np.array([s.error_variance for s in reached])

@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 
 from subsoil.arrays import Floats, Indices
 from subsoil.errors import ParameterError
+from subsoil.kriging.determined import is_delicate
 from subsoil.kriging.direct import predicted
 from subsoil.kriging.grid.chebyshev import NODES, Box, Stretch
 from subsoil.kriging.grid.tiles import Tiler
@@ -67,7 +68,7 @@ def predicted_on_grid(
 
 def _mapped(system: System, grid: Box, mean: Floats, variance: Floats, run: Run) -> float:
     """Fill the map of one variogram as fast as is exact enough; return its spot check."""
-    if grid.cells > _DIRECT:
+    if grid.cells > _DIRECT and not is_delicate(system):
         for error in _ERRORS:
             tiler = Tiler(system, grid.east.at, grid.north.at, error)
             run(partial(tiler.fill, mean=mean, variance=variance[0]), tiler.tiles())
