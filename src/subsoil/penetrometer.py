@@ -8,6 +8,7 @@ here assumes one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +29,10 @@ BOUNCED, BELOW_ZERO = "bounced", "below-zero"
 SMALLEST_MM2, LARGEST_MM2 = 10.0, 10_000.0
 """Base areas in mm2 beyond which there is no cone in use. ASABE S313.3 has 130 and 323 mm2, hand
 penetrometers have 100 to 500, cone penetration tests (ISO 22476-1) 500 to 2000 mm2."""
+
+
+Strength = TypeVar("Strength", float, Floats)
+"""A force or a pressure, or an array of them."""
 
 
 @dataclass(frozen=True)
@@ -72,12 +77,12 @@ class Cone:
                 where="cone angle",
             )
 
-    def pressure_kpa(self, force_n: float) -> float:
-        """Cone index in kPa under a force in N."""
+    def pressure_kpa(self, force_n: Strength) -> Strength:
+        """Cone index in kPa under a force, or forces, in N."""
         return force_n / self.area_mm2 * 1000.0
 
-    def force_n(self, pressure_kpa: float) -> float:
-        """Force in N that a cone index in kPa asks for."""
+    def force_n(self, pressure_kpa: Strength) -> Strength:
+        """Force in N that a cone index, or several, in kPa ask for."""
         return pressure_kpa * self.area_mm2 / 1000.0
 
 
@@ -110,7 +115,7 @@ class Insertion:
 
     def profile(self, cone: Cone) -> Profile:
         """Cone index by depth under this cone."""
-        return Profile(self.depth_m, self.force_n / cone.area_mm2 * 1000.0, self.ending)
+        return Profile(self.depth_m, cone.pressure_kpa(self.force_n), self.ending)
 
 
 @dataclass(frozen=True)

@@ -208,8 +208,8 @@ class Field:
     def grid(self) -> Grid:
         """Cells of the field's bounding box; edges lie at multiples of the cell size."""
         west, south, east, north = self.boundary.bounds
-        easting = _centres(west, east, self.cell_size)
-        northing = _centres(south, north, self.cell_size)
+        easting = centres(west, east, self.cell_size)
+        northing = centres(south, north, self.cell_size)
         x, y = np.meshgrid(easting, northing)
         inside = shapely.contains_xy(self._probeable, x, y)
         for array in (easting, northing, inside):
@@ -279,7 +279,14 @@ def _to_metres(area: Area, crs: str) -> Area:
     return shapely.transform(area, lambda xy: project(WGS84, crs, xy[:, 0], xy[:, 1]))
 
 
-def _centres(low: float, high: float, size: float) -> Floats:
+def centres(low: float, high: float, size: float) -> Floats:
+    """Centres of the pieces of some size, between multiples of it, that cover a stretch.
+
+    Examples
+    --------
+    >>> centres(12.0, 26.0, 5.0)
+    array([12.5, 17.5, 22.5, 27.5])
+    """
     first = math.floor(low / size + 1e-9)
     last = math.ceil(high / size - 1e-9)
     return (np.arange(first, last, dtype=float) + 0.5) * size

@@ -12,15 +12,14 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import LinAlgError, cholesky
-from scipy.spatial.distance import pdist, squareform
 from threadpoolctl import threadpool_limits
 
 from subsoil.arrays import Floats
-from subsoil.errors import ReadingsError, SingularSystemError
+from subsoil.errors import ReadingsError
 from subsoil.kriging import condition
 from subsoil.land.field import Field
 from subsoil.layers import Layers
+from subsoil.simulation.gaussian import covariance_factor
 from subsoil.simulation.soil import FLOOR_KPA, floored
 from subsoil.simulation.surrogate import SPHERICAL, check_readings, fitted
 from subsoil.simulation.truth import Conditioned, Truth
@@ -129,16 +128,12 @@ def _grown(model: Variogram, at: Floats, white: Floats, layer: str) -> Floats:
     spread = model.sill - model.nugget
     if spread == 0.0:
         return np.zeros(len(at))
-    covariance = squareform(spread - model.rise(pdist(at)))
-    np.fill_diagonal(covariance, spread)
-    try:
-        factor = cholesky(covariance, lower=True, overwrite_a=True, check_finite=False)
-    except LinAlgError as error:
-        raise SingularSystemError(
-            f"{model} at {len(at)} places is not positive definite",
-            where=f"conditional simulation, layer {layer}",
-            remedy="use the spherical model, or larger cells",
-        ) from error
+    factor = covariance_factor(
+        at,
+        lambda lag: spread - model.rise(lag),
+        what=str(model),
+        where=f"conditional simulation, layer {layer}",
+    )
     return np.asarray(factor @ white)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import ceil, floor, sqrt
+from math import ceil, sqrt
 from typing import Literal, get_args
 
 import numpy as np
@@ -11,7 +11,7 @@ import shapely
 
 from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError
-from subsoil.land.field import Field
+from subsoil.land.field import Field, centres
 from subsoil.layers import Layers
 from subsoil.simulation.soil import Soil, draw_soil, floored, grow
 from subsoil.simulation.surrogate import krige_layers
@@ -145,17 +145,11 @@ def _check_size(field: Field) -> None:
 def _sample_places(field: Field) -> Floats:
     """(n, 2) places in m of the samples behind a field's surrogate: centres of 10 m squares."""
     west, south, east, north = field.boundary.bounds
-    easting = _centres(west - _OVERLAP_M, east + _OVERLAP_M)
-    grid = np.meshgrid(easting, _centres(south, north))
+    easting = centres(west - _OVERLAP_M, east + _OVERLAP_M, _SPACING_M)
+    grid = np.meshgrid(easting, centres(south, north, _SPACING_M))
     places = np.column_stack([coordinate.ravel() for coordinate in grid])
     near = shapely.dwithin(field.boundary, shapely.points(places), _OVERLAP_M)
     return np.asarray(places[near])
-
-
-def _centres(low: float, high: float) -> Floats:
-    """Centres of the 10 m long pieces that cover a stretch, between multiples of 10 m."""
-    first, last = floor(low / _SPACING_M), ceil(high / _SPACING_M)
-    return np.asarray(_SPACING_M * (np.arange(first, last) + 0.5), dtype=np.float64)
 
 
 def _united(cells: Floats, samples: Floats) -> tuple[Floats, Integers]:

@@ -11,13 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.linalg import LinAlgError, cholesky
-from scipy.spatial.distance import pdist, squareform
 from threadpoolctl import threadpool_limits
 
 from subsoil.arrays import Bools, Floats
-from subsoil.errors import SingularSystemError
 from subsoil.land.field import Field
+from subsoil.simulation.gaussian import covariance_factor
 from subsoil.variogram.models import Bounded, model_named
 
 FLOOR_KPA = 20.0
@@ -156,18 +154,13 @@ def floored(kpa: Floats, noise: Floats) -> tuple[Floats, Floats]:
 
 def _factor_along(soil: Soil, at: Floats) -> Floats:
     """(n, n) lower Cholesky factor of the correlation between places."""
-    correlation = squareform(soil.variogram().correlation(pdist(at) / soil.range_m))
-    np.fill_diagonal(correlation, 1.0)
-    try:
-        factor: Floats = cholesky(correlation, lower=True, overwrite_a=True, check_finite=False)
-    except LinAlgError as error:
-        raise SingularSystemError(
-            f"{len(at)} places are too close together for a {soil.model} soil with a range of "
-            f"{soil.range_m:.0f} m",
-            where="simulation",
-            remedy="use larger cells",
-        ) from error
-    return factor
+    model = soil.variogram()
+    return covariance_factor(
+        at,
+        lambda lag: model.correlation(lag / soil.range_m),
+        what=f"a {soil.model} soil with a range of {soil.range_m:.0f} m",
+        where="simulation",
+    )
 
 
 def _systematic(soil: Soil, field: Field, at: Floats, depth_m: Floats) -> Floats:
