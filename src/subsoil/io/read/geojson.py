@@ -134,9 +134,7 @@ def _shape(geometry: Any, where: str) -> Area | str:
     if kind not in ("Polygon", "MultiPolygon"):
         return brief(kind) if isinstance(kind, str) else NOTHING
     if not (isinstance(coordinates, list) and coordinates):
-        raise BoundaryError(
-            "it has no coordinates", where=where, remedy="outlines_of the outline again"
-        )
+        raise BoundaryError("it has no coordinates", where=where, remedy="draw the outline again")
     if kind == "Polygon":
         return _polygon(coordinates, where)
     return MultiPolygon([_polygon(rings, where) for rings in coordinates])
@@ -144,7 +142,7 @@ def _shape(geometry: Any, where: str) -> Area | str:
 
 def _polygon(rings: Any, where: str) -> Polygon:
     if not (isinstance(rings, list) and rings):
-        raise BoundaryError("a polygon has no ring", where=where, remedy="outlines_of it again")
+        raise BoundaryError("a polygon has no ring", where=where, remedy="draw it again")
     shell, *holes = [_ring(ring, where) for ring in rings]
     return Polygon(shell.exterior, [hole.exterior for hole in holes])
 

@@ -95,7 +95,7 @@ def _polygon(element: Element, where: str) -> Polygon:
         raise BoundaryError(
             f"a polygon has {len(rings['outerBoundaryIs'])} outer rings, not one",
             where=where,
-            remedy="outlines_of it again",
+            remedy="draw it again",
         )
     (shell,) = rings["outerBoundaryIs"]
     return Polygon(shell.exterior, [hole.exterior for hole in rings["innerBoundaryIs"]])
@@ -110,7 +110,7 @@ def _corners(text: str, where: str) -> Floats:
         raise BoundaryError(
             "its coordinates are not longitude,latitude pairs",
             where=where,
-            remedy="outlines_of it again",
+            remedy="draw it again",
         ) from error
 
 
