@@ -116,14 +116,27 @@ def _kind_of(name: str, allowed: Allowed) -> Kind:
     ParameterError
         If there is no such thing, or it is called as neither.
     """
-    registered: list[Kind] = [kind for kind, them in _REGISTRIES.items() if name in them.names]
-    if registered:
-        return registered[0]
-    found = _REGISTRIES["strategy"].named(name, allowed)
-    number = _arguments(found)
-    if number not in _ARGUMENTS or inspect.isclass(found):
+    registered = {each: kind for kind, them in _REGISTRIES.items() for each in them.names}
+    if name in registered:
+        return registered[name]
+    if ":" not in name:
         raise ParameterError(
-            _called(found, number),
+            f"there is no strategy or estimator {brief(name)!r}",
+            where="check",
+            remedy=f"one of {', '.join(registered)}, or your own as module:attribute",
+        )
+    found = _REGISTRIES["strategy"].named(name, allowed)
+    if inspect.isclass(found):
+        raise ParameterError(
+            "it is a class, and what it makes is a strategy or an estimator",
+            where=brief(name),
+            remedy="make one in the module, and name that",
+        )
+    number = _arguments(found)
+    if number not in _ARGUMENTS:
+        taken = "does not say what it takes" if number is None else f"takes {number} arguments"
+        raise ParameterError(
+            f"it {taken}, where a strategy takes one (view) and an estimator two (at, z)",
             where=brief(name),
             remedy="give --kind strategy for plan(view), --kind estimator for estimate(at, z)",
         )
@@ -140,11 +153,3 @@ def _arguments(thing: Callable[..., Any]) -> int | None:
     if any(each.kind is inspect.Parameter.VAR_POSITIONAL for each in known):
         return None
     return sum(each.kind in place and each.default is each.empty for each in known)
-
-
-def _called(thing: Callable[..., Any], number: int | None) -> str:
-    """Why it cannot be told what a thing is."""
-    if inspect.isclass(thing):
-        return "it is a class, and a strategy or estimator is what it makes: name one of these"
-    taken = "does not say what it takes" if number is None else f"takes {number} arguments"
-    return f"it {taken}, where a strategy takes one (view) and an estimator two (at, z)"

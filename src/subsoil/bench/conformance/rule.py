@@ -76,8 +76,8 @@ class Verdict:
 
     def __str__(self) -> str:
         if self.holds:
-            return f"ok      {self.rule}"
-        return f"broken  {self.rule}: {self.seen} (on: {self.case}; remedy: {self.remedy})"
+            return f"ok: {self.rule}"
+        return f"BROKEN: {self.rule}: {self.seen} (on: {self.case}; remedy: {self.remedy})"
 
 
 def verdict(rule: Rule, subject: Subject) -> Verdict:

@@ -72,7 +72,8 @@ def goes_around_stones(subject: Subject, case: str) -> str:
         tried = [(range(6 - stones, 6), 6) for stones in (2, 5, 6)]
     else:
         away = np.hypot(*(field.cells - field.cells.max(axis=0)).T)
-        tried = [(np.argsort(away)[: len(away) // 4].tolist(), 10)]
+        corner, scattered = np.argsort(away)[: len(away) // 4].tolist(), range(0, len(away), 4)
+        tried = [(corner, 10), (scattered, 10)]
     for stony, samples in tried:
         if seen := end_of(_surveyed(subject, field, samples, stony=set(stony)), stony):
             return seen
@@ -208,7 +209,7 @@ RULES = (
     ),
     Rule(
         "the last free cell is planned, and nothing where there is none",
-        "answer Plan((), reason) where View.free has no cell",
+        "plan of View.free: its last cell where there is one, no cell where there is none",
         ("L",),
         copes_with_a_last_cell,
     ),
