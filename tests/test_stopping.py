@@ -20,12 +20,12 @@ from subsoil.simulation import Machine
 from subsoil.stopping import (
     DecidedShare,
     Goal,
+    GoalProgress,
     LeastGain,
     Limits,
     Pace,
     Rates,
     Spent,
-    Standing,
     SureRmse,
     TargetRmse,
     first_stop,
@@ -178,20 +178,20 @@ def test_a_target_stops_at_the_first_of_three_good_updates_running_from_the_twel
 
 
 def test_plans_for_the_same_samples_are_one_update() -> None:
-    goals, standing = (TargetRmse(40.0),), Standing()
+    goals, progress = (TargetRmse(40.0),), GoalProgress()
     for samples in (12, 12, 12, 13, 13):
-        standing = standing.updated(goals, samples, (30.0,))
-    assert standing.running == (2,)
-    assert standing.reached(goals) == ""
-    assert standing.updated(goals, 14, (30.0,)).reached(goals)
+        progress = progress.updated(goals, samples, (30.0,))
+    assert progress.running == (2,)
+    assert progress.reached(goals) == ""
+    assert progress.updated(goals, 14, (30.0,)).reached(goals)
 
 
 def test_of_goals_met_together_the_first_says_why_and_one_update_off_starts_anew() -> None:
-    goals, standing = (TargetRmse(40.0), SureRmse(40.0, 0.8)), Standing()
+    goals, progress = (TargetRmse(40.0), SureRmse(40.0, 0.8)), GoalProgress()
     for samples, measures in ((12, (39.0, 0.9)), (13, (39.0, 0.7)), (14, (39.0, 0.9))):
-        standing = standing.updated(goals, samples, measures)
-    assert standing.running == (3, 1)
-    assert standing.reached(goals) == "predicted RMSE 39.0 kPa, 40 kPa asked for, 3 updates running"
+        progress = progress.updated(goals, samples, measures)
+    assert progress.running == (3, 1)
+    assert progress.reached(goals) == "predicted RMSE 39.0 kPa, 40 kPa asked for, 3 updates running"
 
 
 def some_map(samples: int, seed: int = 2, nugget: float = 200.0) -> SoilMap:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from subsoil.bench import Entrant, Result, Row, Series, Setting, Task
+from subsoil.bench import Entrant, Result, Series, Setting, Snapshot, Task
 from subsoil.bench.comparison import (
     Mean,
     by_minutes,
@@ -17,7 +17,7 @@ from subsoil.bench.comparison import (
     ended_before,
     mean_of,
     paired,
-    standing,
+    result_table,
 )
 from subsoil.bench.tables import Table, latex, markdown, paired_table, rmse_table, write_csv
 
@@ -27,8 +27,8 @@ RNG = np.random.default_rng(5)
 
 def result(strategy: str, field: int, rmse: tuple[float, float], minutes: float = 10.0) -> Result:
     rows = (
-        Row(15, rmse[0], 100.0, minutes, 400.0, 0.5),
-        Row(30, rmse[1], 200.0, 2 * minutes, 300.0, 0.5),
+        Snapshot(15, rmse[0], 100.0, minutes, 400.0, 0.5),
+        Snapshot(30, rmse[1], 200.0, 2 * minutes, 300.0, 0.5),
     )
     return Result(Task(SETTING, field, Entrant(strategy, "paper-10")), (Series(30, rows),))
 
@@ -74,7 +74,9 @@ def test_error_by_a_time_is_linear_between_marks_and_holds_after_the_last() -> N
 
 def test_correlation_over_samples_is_of_variance_and_squared_error() -> None:
     kv, error = RNG.uniform(1, 2, 9), RNG.uniform(1, 2, 9)
-    rows = tuple(Row(n + 2, e, 0, 0, v, 0) for n, (v, e) in enumerate(zip(kv, error, strict=True)))
+    rows = tuple(
+        Snapshot(n + 2, e, 0, 0, v, 0) for n, (v, e) in enumerate(zip(kv, error, strict=True))
+    )
     one = replace(result("random", 0, (1, 1)), series=(Series(10, rows),))
     assert correlation_over_samples(one) == pytest.approx(stats.pearsonr(kv, error**2).statistic)
     n, values = curves([one, one], lambda row: row.mean_kv)
@@ -84,7 +86,7 @@ def test_correlation_over_samples_is_of_variance_and_squared_error() -> None:
 
 def test_the_table_of_differences_compares_fields_with_themselves() -> None:
     easy, hard = (10.0, 8.0), (100.0, 80.0)
-    found = standing(
+    found = result_table(
         [
             result("area-split", 0, easy), result("area-split", 1, hard),
             result("random", 0, (11.0, 9.0)), result("random", 1, (101.0, 81.0)),
@@ -99,7 +101,7 @@ def test_the_table_of_differences_compares_fields_with_themselves() -> None:
 
 
 def test_the_papers_numbers_stand_beside_ours_where_it_has_some() -> None:
-    table = rmse_table(standing([result("random", 0, (60.0, 40.0))]))
+    table = rmse_table(result_table([result("random", 0, (60.0, 40.0))]))
     assert table.columns == ("strategy", "fields", "n = 15", "paper 15", "n = 30", "paper 30")
     assert markdown(table).splitlines()[-1] == "| random | 1 | 60.0 | 63.04 | 40.0 | 48.52 |"
 
@@ -107,7 +109,7 @@ def test_the_papers_numbers_stand_beside_ours_where_it_has_some() -> None:
 def test_labels_name_the_estimator_only_where_a_strategy_has_several() -> None:
     one = result("random", 0, (1.0, 1.0))
     other = replace(one, task=replace(one.task, entrant=Entrant("random", "spherical")))
-    both = standing([one, other, result("greedy", 0, (1.0, 1.0))])
+    both = result_table([one, other, result("greedy", 0, (1.0, 1.0))])
     assert [both.label(e) for e in both.entrants] == [
         "random, paper-10", "random, spherical", "greedy",
     ]  # fmt: skip

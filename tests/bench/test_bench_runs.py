@@ -12,7 +12,18 @@ from typing import Any
 
 import pytest
 
-from subsoil.bench import Entrant, Failed, Result, Retried, Setting, Task, on_dask, on_pool, scored
+from subsoil.bench import (
+    Entrant,
+    Failed,
+    Result,
+    Retried,
+    Setting,
+    Task,
+    on_dask,
+    on_pool,
+    repeatable,
+    scored,
+)
 from subsoil.bench.running import Outcome
 from subsoil.cli import run
 
@@ -32,12 +43,12 @@ def lines(out: Path) -> list[dict[str, str]]:
 def test_a_run_is_resumed_added_to_and_never_mixed(tmp_path: Path, bench: Bench) -> None:
     out = tmp_path / "out"
     assert bench(out).code == 0
-    before, results = mtimes(out), (out / "results.csv").read_bytes()
+    before, results = mtimes(out), repeatable(out / "results.csv")
     assert len(before) == 4
     rows = lines(out)
     assert list(rows[0]) == [
         "field", "protocol", "strategy", "estimator", "n", "rmse_kpa", "path_m", "minutes",
-        "mean_kv", "predicted_rmse_kpa",
+        "mean_kv", "predicted_rmse_kpa", "decision_s",
     ]  # fmt: skip
     assert [(r["field"], r["strategy"], r["n"]) for r in rows] == [
         (k, s, n) for k in "01" for s in ("area-split", "greedy") for n in "58"
@@ -49,7 +60,8 @@ def test_a_run_is_resumed_added_to_and_never_mixed(tmp_path: Path, bench: Bench)
     assert json.loads(again.out)["done now"] == 1
     after = mtimes(out)
     assert {name for name in before if after[name] != before[name]} == {gone}
-    assert (out / "results.csv").read_bytes() == results
+    assert repeatable(out / "results.csv") == results
+    assert all(float(row["decision_s"]) > 0 for row in lines(out))
 
     assert bench(out, strategies="random", fields=3).code == 0
     assert {r["strategy"] for r in lines(out)} == {"area-split", "greedy", "random"}
@@ -83,7 +95,7 @@ def test_a_report_has_every_table_and_figure(tmp_path: Path, bench: Bench) -> No
     assert names == {path.stem for path in (out / "tables").glob("*.tex")}
     assert names == {
         "table1_layers", "table2_correlation", "table3_rmse", "table4_path", "time_quality",
-        "calibration", "paired_rmse", "paired_path",
+        "calibration", "decision_time", "paired_rmse", "paired_path",
     }  # fmt: skip
     assert "area-split, spherical" in text
     assert "arXiv:1803.08069" in text
@@ -166,7 +178,7 @@ def test_a_killed_worker_of_the_pool_loses_nothing(setting: Setting) -> None:
 
 @pytest.mark.slow
 def test_a_worker_killed_while_it_has_nothing_to_do_is_replaced(area_split: Task) -> None:
-    tasks = [replace(area_split, field=k) for k in range(2)]
+    tasks = [replace(area_split, field_number=k) for k in range(2)]
     before = set(multiprocessing.active_children())
     outcomes = on_pool(tasks, 1)
     first = next(outcomes)
@@ -194,9 +206,30 @@ def test_a_killed_worker_of_dask_loses_nothing(setting: Setting) -> None:
 
 
 @pytest.mark.slow
-def test_results_are_the_same_bytes_from_dask_and_the_pool(tmp_path: Path, bench: Bench) -> None:
+def test_results_are_the_same_from_dask_and_the_pool_but_for_their_time(
+    tmp_path: Path, bench: Bench
+) -> None:
     for out, more in ((tmp_path / "pool", ()), (tmp_path / "dask", ("--dask", "local"))):
         assert bench(out, *more, strategies="random,adaptive-greedy").code == 0
-    assert (tmp_path / "pool/results.csv").read_bytes() == (
-        tmp_path / "dask/results.csv"
-    ).read_bytes()
+    pool, dask = (tmp_path / name / "results.csv" for name in ("pool", "dask"))
+    assert repeatable(pool) == repeatable(dask)
+    assert len(repeatable(pool).splitlines()[0].split(",")) == 10
+
+
+@pytest.mark.slow
+def test_a_folder_of_before_decisions_were_timed_is_read_and_gone_on_with(
+    tmp_path: Path, bench: Bench
+) -> None:
+    out = tmp_path / "out"
+    bench(out, strategies="random", fields=1)
+    (path,) = (out / "tasks").iterdir()
+    before = repeatable(out / "results.csv")
+    result = json.loads(path.read_text())
+    for series in result["series"]:
+        del series["decision_s"]
+    path.write_text(json.dumps(result))
+    assert json.loads(bench(out, "--json", strategies="random", fields=1).out)["done before"] == 1
+    assert {row["decision_s"] for row in lines(out)} == {""}
+    assert repeatable(out / "results.csv") == before
+    assert run(["bench", "report", str(out)]) == 0
+    assert "| random | – | – |" in (out / "report.md").read_text()

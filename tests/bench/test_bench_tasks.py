@@ -4,32 +4,39 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
+from time import process_time
 
 import numpy as np
 import pytest
 
 from subsoil.agent import Assignment, Push
-from subsoil.bench import Entrant, Result, Row, Series, Setting, Task, scored, truth_of
-from subsoil.bench.scoring import Scorer, kv_error_correlation, surveyed
-from subsoil.bench.task import (
-    PAPER_STRATEGIES,
-    entrants_of,
-    result_from_json,
-    result_to_json,
-    survey_seed,
+from subsoil.bench import (
+    Entrant,
+    Result,
+    Series,
+    Setting,
+    Snapshot,
+    Task,
+    scored,
+    truth_of,
 )
+from subsoil.bench.records import result_from_json, result_to_json
+from subsoil.bench.scoring import Scorer, kv_error_correlation, surveyed
+from subsoil.bench.task import PAPER_STRATEGIES, entrants_of, survey_seed
 from subsoil.bench.truths import TruthReader
 from subsoil.errors import ParameterError, SubsoilError
 from subsoil.mapping.scores import rmse
 from subsoil.penetrometer import LARGE_CONE, profile_of
 from subsoil.simulation import draw_field
+from subsoil.survey import Survey
+from subsoil.survey.events import Event
 from subsoil.ways.open_land import OpenLand
 
 
 def test_whatever_differs_between_two_tasks_their_names_differ(area_split: Task) -> None:
     setting = area_split.setting
     others = [
-        replace(area_split, field=1),
+        replace(area_split, field_number=1),
         replace(area_split, entrant=Entrant("area-split", "spherical")),
         *(
             replace(area_split, setting=other)
@@ -46,8 +53,59 @@ def test_whatever_differs_between_two_tasks_their_names_differ(area_split: Task)
     assert replace(area_split).name == area_split.name
 
 
+def test_a_task_keeps_the_name_that_folders_know_it_by() -> None:
+    task = Task(Setting("signal", 1, (5, 8)), 3, Entrant("mine:own", "paper-10"))
+    assert task.name == "0003-mine-own-paper-10-cea9adfeb212"
+
+
+def test_a_result_of_before_decisions_were_timed_is_read_and_has_no_time() -> None:
+    row = (
+        '{"kv_error_correlation": 0.5, "mean_kv": 4.0, "minutes": 3.0, "n": N, "path_m": 2.0, '
+        '"rmse_kpa": 1.0}'
+    )
+    rows = f"[{row.replace('N', '5')}, {row.replace('N', '8')}]"
+    task = (
+        '{"entrant": {"estimator": "paper-10", "strategy": "greedy"}, "field": 3, "setting": '
+        '{"boundary_wkt": "", "crs": "", "protocol": "signal", "samples": [5, 8], "seed": 1}}'
+    )
+    text = f'{{"series": [{{"budget": 8, "rows": {rows}}}], "task": {task}}}'
+    found = result_from_json(text)
+    assert found.task == Task(Setting("signal", 1, (5, 8)), 3, Entrant("greedy", "paper-10"))
+    assert [each.n for each in found.marks] == [5, 8]
+    assert np.isnan(found.decision_s).all()
+
+
+class SlowScorer(Scorer):
+    """Works for 0.2 s after each event, on its own watch."""
+
+    def append(self, event: Event, survey: Survey) -> None:
+        super().append(event, survey)
+        with self.watch.running():
+            begun = process_time()
+            while process_time() < begun + 0.2:
+                pass
+
+
+def test_a_decision_takes_the_processor_and_scoring_does_not_count(area_split: Task) -> None:
+    truth = truth_of(area_split.setting, 0)
+    quick, slow = Scorer(truth), SlowScorer(truth)
+    _, decision_s = surveyed(area_split, 5, truth, quick)
+    assert 0.0 < decision_s < 1.0
+    assert quick.watch.seconds > 0.0
+    _, slowly_scored = surveyed(area_split, 5, truth, slow)
+    assert slow.watch.seconds > 2.0
+    assert slowly_scored < 0.1 + 2 * decision_s
+
+
+def test_equal_surveys_are_equal_whatever_time_they_took(area_split: Task) -> None:
+    rows = (Snapshot(5, 1.0, 2.0, 3.0, 4.0, 0.5),)
+    assert Series(5, rows, 0.1) == Series(5, rows, 0.2)
+    written = result_to_json(Result(area_split, (Series(5, rows, 0.1),)))
+    assert result_from_json(written).series[0].decision_s == 0.1
+
+
 def test_a_result_survives_json_bit_for_bit(area_split: Task) -> None:
-    row = Row(5, 0.1 + 0.2, 1 / 3, 2.0, 1e-300, -0.1)
+    row = Snapshot(5, 0.1 + 0.2, 1 / 3, 2.0, 1e-300, -0.1)
     result = Result(area_split, (Series(5, (row,)),))
     assert result_from_json(result_to_json(result)) == result
 
@@ -55,8 +113,8 @@ def test_a_result_survives_json_bit_for_bit(area_split: Task) -> None:
 def test_a_mark_is_read_from_the_survey_of_that_budget_or_else_from_the_longest(
     area_split: Task,
 ) -> None:
-    def rows(rmse_kpa: float) -> tuple[Row, ...]:
-        return tuple(Row(n, rmse_kpa + n, 0, 0, 1, 0) for n in range(2, 9))
+    def rows(rmse_kpa: float) -> tuple[Snapshot, ...]:
+        return tuple(Snapshot(n, rmse_kpa + n, 0, 0, 1, 0) for n in range(2, 9))
 
     own = Result(area_split, (Series(5, rows(100)[:4]), Series(8, rows(200))))
     assert [row.rmse_kpa for row in own.marks] == [105, 208]
@@ -98,9 +156,9 @@ def test_soils_are_those_of_the_test_bed() -> None:
 def test_a_row_says_what_the_survey_was_when_it_had_that_many_samples(area_split: Task) -> None:
     truth = truth_of(area_split.setting, 0)
     scorer = Scorer(truth)
-    survey = surveyed(area_split, 8, truth, scorer)
-    last = scorer.rows[-1]
-    assert [row.n for row in scorer.rows] == list(range(2, 9))
+    survey, _ = surveyed(area_split, 8, truth, scorer)
+    last = scorer.snapshots[-1]
+    assert [row.n for row in scorer.snapshots] == list(range(2, 9))
     assert last.rmse_kpa == rmse(survey.soil_map.mean, truth.kpa)
     assert (
         last.mean_kv
@@ -114,7 +172,7 @@ def test_a_row_says_what_the_survey_was_when_it_had_that_many_samples(area_split
 
 
 def test_minutes_are_metres_at_1_metre_a_second_and_50_seconds_a_sample(area_split: Task) -> None:
-    for row in scored(area_split).longest.rows:
+    for row in scored(area_split).longest.snapshots:
         assert row.minutes == pytest.approx((row.path_m + 50 * row.n) / 60)
 
 

@@ -57,7 +57,7 @@ def test_a_probe_in_a_cell_again_halves_its_noise() -> None:
 def test_rows_are_those_of_the_dense_matrices() -> None:
     designs = Designs(FIELD, SHAPE, np.ones(N))
     c = SHAPE.correlation(cdist(FIELD.cells, FIELD.cells))
-    rows, products = designs.rows(range(0, N, 7))
+    rows, products = designs.covariances(range(0, N, 7))
     np.testing.assert_allclose(rows, c[::7], atol=1e-14)
     np.testing.assert_allclose(products, (c @ c / N)[::7], atol=1e-14)
     np.testing.assert_allclose(designs.squares, np.diag(c @ c) / N, atol=1e-14)

@@ -131,7 +131,7 @@ def test_a_survey_with_goals_cut_off_anywhere_goes_on_to_the_same_end(
         work(dispatch, plot_truth)
         assert dispatch.survey.visited == whole.visited
         assert dispatch.survey.finished == whole.finished
-        assert dispatch.survey.standing == whole.standing
+        assert dispatch.survey.goal_progress == whole.goal_progress
 
 
 def test_every_plan_and_ending_follows_from_the_events_before_it(run: Run) -> None:

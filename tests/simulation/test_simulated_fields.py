@@ -10,7 +10,7 @@ import pytest
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers
-from subsoil.simulation import Protocol, Soil, Truth, draw_field, draw_truth
+from subsoil.simulation import Scheme, Soil, Truth, draw_field, draw_truth
 from subsoil.simulation.soil import FLOOR_KPA
 
 SEEDS = range(8)
@@ -22,15 +22,15 @@ def _soil(truth: Truth) -> Soil:
 
 
 @pytest.fixture(scope="module")
-def beds() -> dict[Protocol, list[Truth]]:
-    def draw(protocol: Protocol) -> list[Truth]:
+def beds() -> dict[Scheme, list[Truth]]:
+    def draw(protocol: Scheme) -> list[Truth]:
         return [draw_field(np.random.default_rng(seed), protocol) for seed in SEEDS]
 
     return {"surrogate": draw("surrogate"), "signal": draw("signal")}
 
 
 def test_the_test_bed_is_936_cells_of_5_m_in_eight_layers(
-    beds: dict[Protocol, list[Truth]],
+    beds: dict[Scheme, list[Truth]],
 ) -> None:
     truth = beds["surrogate"][0]
     assert truth.kpa.shape == truth.noise.shape == (8, 936)
@@ -39,7 +39,7 @@ def test_the_test_bed_is_936_cells_of_5_m_in_eight_layers(
 
 
 def test_the_surrogate_varies_by_65_kpa_and_is_read_without_noise(
-    beds: dict[Protocol, list[Truth]],
+    beds: dict[Scheme, list[Truth]],
 ) -> None:
     for truth in beds["surrogate"]:
         off = truth.kpa - truth.kpa.mean(axis=1, keepdims=True)
@@ -47,7 +47,7 @@ def test_the_surrogate_varies_by_65_kpa_and_is_read_without_noise(
         assert not truth.noise.any()
 
 
-def test_both_protocols_of_a_seed_are_one_soil(beds: dict[Protocol, list[Truth]]) -> None:
+def test_both_protocols_of_a_seed_are_one_soil(beds: dict[Scheme, list[Truth]]) -> None:
     for kriged, grown in zip(beds["surrogate"], beds["signal"], strict=True):
         assert kriged.origin == grown.origin
         assert kriged.kpa.mean(axis=1) == pytest.approx(grown.kpa.mean(axis=1), rel=0.1)
@@ -58,7 +58,7 @@ def test_both_protocols_of_a_seed_are_one_soil(beds: dict[Protocol, list[Truth]]
     assert np.mean(deep) > 0.6
 
 
-def test_the_same_seed_gives_the_same_field(beds: dict[Protocol, list[Truth]]) -> None:
+def test_the_same_seed_gives_the_same_field(beds: dict[Scheme, list[Truth]]) -> None:
     for protocol, truths in beds.items():
         again = draw_field(np.random.default_rng(SEEDS[3]), protocol)
         assert np.array_equal(again.kpa, truths[3].kpa)
@@ -67,7 +67,7 @@ def test_the_same_seed_gives_the_same_field(beds: dict[Protocol, list[Truth]]) -
     assert not np.array_equal(beds["signal"][0].kpa, beds["signal"][1].kpa)
 
 
-def test_surrogates_are_smoother_than_their_soil(beds: dict[Protocol, list[Truth]]) -> None:
+def test_surrogates_are_smoother_than_their_soil(beds: dict[Scheme, list[Truth]]) -> None:
     def roughness(truth: Truth) -> float:
         return float(np.nanstd(np.diff(truth.field.grid.image(truth.kpa), axis=-1)))
 
@@ -76,7 +76,7 @@ def test_surrogates_are_smoother_than_their_soil(beds: dict[Protocol, list[Truth
 
 
 def test_pushes_in_the_signal_scatter_with_the_drawn_nugget(
-    beds: dict[Protocol, list[Truth]],
+    beds: dict[Scheme, list[Truth]],
 ) -> None:
     """Noise is white along the ground, so its mean square has a chi-square's standard error."""
     for truth in beds["signal"]:
@@ -140,7 +140,7 @@ def test_a_protocol_must_be_one_of_two() -> None:
 
 
 def test_the_test_bed_of_a_seed_stays_what_published_comparisons_ran_on(
-    beds: dict[Protocol, list[Truth]],
+    beds: dict[Scheme, list[Truth]],
 ) -> None:
     """Values of seed 5 in the fifth layer: three cells of the map, and deviations there."""
     cells = [0, 467, 935]
@@ -153,7 +153,7 @@ def test_the_test_bed_of_a_seed_stays_what_published_comparisons_ran_on(
     assert grown.noise[4, cells] == pytest.approx(expected, rel=1e-9)
 
 
-def test_the_test_bed_can_be_laid_on_any_field(beds: dict[Protocol, list[Truth]]) -> None:
+def test_the_test_bed_can_be_laid_on_any_field(beds: dict[Scheme, list[Truth]]) -> None:
     rectangle = [(0, 0), (180, 0), (180, 130), (0, 130)]
     same = draw_field(np.random.default_rng(SEEDS[2]), field=Field.from_metres(rectangle))
     assert np.array_equal(same.kpa, beds["surrogate"][2].kpa)

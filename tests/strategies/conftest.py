@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from subsoil.bench.conformance import courses
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.soilmap import SoilMap
@@ -20,14 +21,7 @@ Look = Callable[..., View]
 @pytest.fixture(scope="session")
 def fields() -> dict[str, Field]:
     """Fields of several shapes by name."""
-    square = [(20, 20), (60, 20), (60, 50), (20, 50)]
-    return {
-        "test bed": Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)]),
-        "L": Field.from_metres([(0, 0), (90, 0), (90, 30), (30, 30), (30, 80), (0, 80)]),
-        "keep-out": Field.from_metres([(0, 0), (80, 0), (80, 70), (0, 70)], keep_outs=[square]),
-        "tiny": Field.from_metres([(0, 0), (15, 0), (15, 10), (0, 10)]),
-        "thin": Field.from_metres([(0, 0), (200, 0), (200, 5), (0, 5)]),
-    }
+    return dict(courses.fields())
 
 
 @pytest.fixture(scope="session")

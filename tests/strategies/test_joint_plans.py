@@ -18,7 +18,7 @@ from subsoil.stopping import Pace
 from subsoil.strategies import Plan, View, strategy_named
 from subsoil.strategies.joint.exchange import Exchange
 from subsoil.strategies.joint.plans import designs_for, joint, joint_adaptive
-from subsoil.strategies.joint.price import Price, Terms
+from subsoil.strategies.joint.price import Price, SweepOptions
 from subsoil.variogram import Exponential, Nested, Structure
 from subsoil.ways.open_land import OpenLand
 from subsoil.ways.routing import length
@@ -95,7 +95,7 @@ def test_no_single_exchange_improves_what_descended() -> None:
     rng = np.random.default_rng(3)
     cells = rng.choice(len(POND.cells), 6, replace=False).tolist()
     found = search(POND, cells, Price(per_m=1e-4))
-    found.descend(50, Terms(), rng)
+    found.descend(50, SweepOptions(), rng)
     designs = Designs(POND, SHAPE, np.ones(len(POND.cells)))
     travel = OpenLand(POND)
 
@@ -119,7 +119,7 @@ def test_under_a_budget_the_variance_falls_and_the_way_keeps_to_it() -> None:
     budget = found.metres
     for _ in range(6):
         before = found.variance
-        found.descend(1, Terms(budget_m=budget), rng)
+        found.descend(1, SweepOptions(budget_m=budget), rng)
         assert found.variance <= before + 1e-12
         assert found.metres <= budget + 1e-9
 

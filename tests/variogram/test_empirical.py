@@ -53,8 +53,8 @@ def test_estimates_and_pair_counts_are_those_of_gstools(
     at, (z,) = readings(1, n)
     edges = np.arange(0, CUTOFF + WIDTH, WIDTH)
     _, gamma, pairs = gstools.vario_estimate(at.T, z, edges, estimator=theirs, return_counts=True)
-    ours = empirical(at, z, bin_width=WIDTH, cutoff=CUTOFF, estimator=formula)
-    assert ours.estimator == formula
+    ours = empirical(at, z, bin_width=WIDTH, cutoff=CUTOFF, formula=formula)
+    assert ours.formula == formula
     np.testing.assert_array_equal(ours.pairs, pairs[pairs > 0])
     np.testing.assert_allclose(ours.semivariance, gamma[pairs > 0], rtol=1e-12)
 
@@ -95,7 +95,7 @@ def test_repeats_at_one_place_are_pairs_at_distance_zero_in_the_first_bin() -> N
 def test_many_samples_are_worked_on_some_at_a_time_and_give_the_same_bins(formula: Formula) -> None:
     at, z = readings(8, 2600)
     z[0, ::7] = nan
-    (found,) = empirical_layers(at, z, bin_width=WIDTH, cutoff=CUTOFF, estimator=formula)
+    (found,) = empirical_layers(at, z, bin_width=WIDTH, cutoff=CUTOFF, formula=formula)
     known = np.isfinite(z[0])
     distance = pdist(at[known])
     difference = pdist(z[0, known, None])
@@ -135,8 +135,8 @@ def test_order_of_samples_does_not_matter(seed: int, n: int) -> None:
 def test_a_constant_drops_out_and_a_factor_is_squared(shift: float, scale: float) -> None:
     at, (z,) = readings(6, 25)
     for formula in ("matheron", "cressie-hawkins"):
-        changed = empirical(at, scale * z + shift, estimator=formula).semivariance
-        expected = scale**2 * empirical(at, z, estimator=formula).semivariance
+        changed = empirical(at, scale * z + shift, formula=formula).semivariance
+        expected = scale**2 * empirical(at, z, formula=formula).semivariance
         np.testing.assert_allclose(changed, expected, rtol=1e-5)
 
 
@@ -149,7 +149,7 @@ def test_independent_readings_have_their_variance_at_every_lag(formula: Formula)
     """
     at, z = readings(7, 60, layers=400)
     z = 30 * np.random.default_rng(8).standard_normal(z.shape)
-    curves = np.array([curve.semivariance for curve in empirical_layers(at, z, estimator=formula)])
+    curves = np.array([curve.semivariance for curve in empirical_layers(at, z, formula=formula)])
     error = curves.std(axis=0, ddof=1) / np.sqrt(len(curves))
     bias = 0.0 if formula == "matheron" else 0.02 * 900
     assert np.all(np.abs(curves.mean(axis=0) - 900) < 4.5 * error + bias)
@@ -161,7 +161,7 @@ def test_a_stone_moves_cressie_hawkins_less_than_matheron() -> None:
     stone[11] += 5000
     factor = {}
     for formula in ("matheron", "cressie-hawkins"):
-        clean, hit = (empirical(at, v, estimator=formula).semivariance.mean() for v in (z, stone))
+        clean, hit = (empirical(at, v, formula=formula).semivariance.mean() for v in (z, stone))
         factor[formula] = hit / clean
     assert factor["cressie-hawkins"] < factor["matheron"] / 2
 
@@ -230,7 +230,7 @@ def test_distances_that_are_not_positive_are_refused(bad: float) -> None:
         empirical(at, z, cutoff=bad)
 
 
-def test_an_unknown_estimator_is_answered_with_the_known_ones() -> None:
+def test_an_unknown_formula_is_answered_with_the_known_ones() -> None:
     at, (z,) = readings(15, 9)
     with pytest.raises(ParameterError, match="cressie-hawkins"):
-        empirical(at, z, estimator="madogram")  # type: ignore[arg-type]
+        empirical(at, z, formula="madogram")  # type: ignore[arg-type]

@@ -28,7 +28,7 @@ from subsoil.simulation.probe import Machine
 from subsoil.simulation.robot import SimulatedRobot
 from subsoil.strategies import STRATEGIES, View
 from subsoil.strategies.joint.exchange import Exchange
-from subsoil.strategies.joint.price import Price, Terms
+from subsoil.strategies.joint.price import Price, SweepOptions
 from subsoil.survey import LocalDispatch, Memory, Settings, opened, opening
 from subsoil.survey.events import Configured
 from subsoil.variogram import Exponential
@@ -257,7 +257,7 @@ def test_an_exchange_keeps_exact_account_of_one_way_ways() -> None:
     search.anneal(3, np.inf, rng)
     search.insert()
     search.drop()
-    search.descend(20, Terms(), rng)
+    search.descend(20, SweepOptions(), rng)
     assert search.metres == pytest.approx(length(access, START, access.at[list(search.route)]))
     assert search.metres < FARTHEST_M
     assert search.variance == pytest.approx(designs.mean_variance(list(search.route)), rel=1e-9)

@@ -6,8 +6,8 @@ are kept one file a task, so that a run can be stopped, gone on with and added t
 
 from subsoil.bench.running import Failed, Retried, on_dask, on_pool
 from subsoil.bench.scoring import scored, surveyed
-from subsoil.bench.store import Benchmark, config_of, enter, keep, kept, write_results
-from subsoil.bench.task import Entrant, Result, Row, Series, Setting, Task
+from subsoil.bench.store import Benchmark, config_of, enter, keep, kept, repeatable, write_results
+from subsoil.bench.task import Entrant, Result, Series, Setting, Snapshot, Task
 from subsoil.bench.truths import truth_of
 
 __all__ = [
@@ -16,9 +16,9 @@ __all__ = [
     "Failed",
     "Result",
     "Retried",
-    "Row",
     "Series",
     "Setting",
+    "Snapshot",
     "Task",
     "config_of",
     "enter",
@@ -26,6 +26,7 @@ __all__ = [
     "kept",
     "on_dask",
     "on_pool",
+    "repeatable",
     "scored",
     "surveyed",
     "truth_of",

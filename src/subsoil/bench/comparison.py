@@ -16,7 +16,7 @@ from scipy import stats
 
 from subsoil.arrays import Floats
 from subsoil.bench.paper import RMSE_KPA
-from subsoil.bench.task import Entrant, Result, Row
+from subsoil.bench.task import Entrant, Result, Snapshot
 
 ByField = Mapping[int, float]
 """A number for each field."""
@@ -54,17 +54,17 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Standing:
+class ResultTable:
     """Results of one benchmark by entrant and field."""
 
     samples: tuple[int, ...]
-    results: Mapping[Entrant, Mapping[int, Result]]
+    by_entrant: Mapping[Entrant, Mapping[int, Result]]
 
     @property
     def entrants(self) -> tuple[Entrant, ...]:
         """Entrants: the paper's in its order, then others by name."""
         order = {name: k for k, name in enumerate(RMSE_KPA)}
-        return tuple(sorted(self.results, key=lambda e: (order.get(e.strategy, len(order)), e)))
+        return tuple(sorted(self.by_entrant, key=lambda e: (order.get(e.strategy, len(order)), e)))
 
     @property
     def references(self) -> tuple[Entrant, ...]:
@@ -73,24 +73,24 @@ class Standing:
 
     def label(self, entrant: Entrant) -> str:
         """Name of an entrant, with its estimator where the strategy came with several."""
-        several = sum(other.strategy == entrant.strategy for other in self.results) > 1
+        several = sum(other.strategy == entrant.strategy for other in self.by_entrant) > 1
         name = entrant.strategy.rpartition(":")[2]
         return f"{name}, {entrant.estimator}" if several else name
 
-    def at(self, entrant: Entrant, n: int, value: Callable[[Row], float]) -> ByField:
+    def at(self, entrant: Entrant, n: int, value: Callable[[Snapshot], float]) -> ByField:
         """Value of each field at one of the numbers of samples."""
         k = self.samples.index(n)
-        return {field: value(r.marks[k]) for field, r in self.results[entrant].items()}
+        return {field: value(r.marks[k]) for field, r in self.by_entrant[entrant].items()}
 
 
-def standing(results: Iterable[Result]) -> Standing:
+def result_table(results: Iterable[Result]) -> ResultTable:
     """Results of one benchmark, sorted."""
     table: dict[Entrant, dict[int, Result]] = {}
     samples: tuple[int, ...] = ()
     for result in results:
-        table.setdefault(result.task.entrant, {})[result.task.field] = result
+        table.setdefault(result.task.entrant, {})[result.task.field_number] = result
         samples = result.task.setting.samples
-    return Standing(samples, table)
+    return ResultTable(samples, table)
 
 
 def mean_of(values: ArrayLike) -> Mean:
@@ -143,15 +143,15 @@ def correlation_over_samples(result: Result) -> float:
 
     NaN if either does not vary.
     """
-    kv = np.array([row.mean_kv for row in result.longest.rows])
-    mse = np.array([row.rmse_kpa**2 for row in result.longest.rows])
+    kv = np.array([row.mean_kv for row in result.longest.snapshots])
+    mse = np.array([row.rmse_kpa**2 for row in result.longest.snapshots])
     if len(kv) < 3 or np.ptp(kv) == 0.0 or np.ptp(mse) == 0.0:
         return np.nan
     return float(np.corrcoef(kv, mse)[0, 1])
 
 
-def curves(results: Iterable[Result], value: Callable[[Row], float]) -> tuple[Floats, Floats]:
+def curves(results: Iterable[Result], value: Callable[[Snapshot], float]) -> tuple[Floats, Floats]:
     """(k,) numbers of samples and (fields, k) values over the longest surveys."""
     longest = [result.longest for result in results]
-    n = np.array([row.n for row in longest[0].rows], dtype=float)
-    return n, np.array([[value(row) for row in series.rows] for series in longest])
+    n = np.array([row.n for row in longest[0].snapshots], dtype=float)
+    return n, np.array([[value(row) for row in series.snapshots] for series in longest])

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from subsoil.bench import figures, tables
-from subsoil.bench.comparison import Standing, standing
+from subsoil.bench.comparison import ResultTable, result_table
 from subsoil.bench.hand_survey import HandSurveys, hand_surveys
 from subsoil.bench.scoring import Scorer, surveyed
 from subsoil.bench.store import config_of, results_of, write_results
@@ -59,7 +59,7 @@ def write_report(folder: Path) -> dict[str, object]:
         raise ParameterError(
             "no task is finished", where=str(folder), remedy="run the benchmark first"
         )
-    found = standing(results)
+    found = result_table(results)
     missing = len(benchmark.tasks) - len(results)
     hand = hand_surveys(benchmark.setting, min(benchmark.fields, _MOST_HAND_FIELDS))
     pictures = _save(_pictures(found, benchmark.setting, hand), folder / "figures")
@@ -79,7 +79,7 @@ def write_report(folder: Path) -> dict[str, object]:
     }
 
 
-def _tables(found: Standing, hand: HandSurveys) -> tuple[tables.Table, ...]:
+def _tables(found: ResultTable, hand: HandSurveys) -> tuple[tables.Table, ...]:
     return (
         tables.layer_table(hand),
         tables.correlation_table(found),
@@ -87,14 +87,15 @@ def _tables(found: Standing, hand: HandSurveys) -> tuple[tables.Table, ...]:
         tables.path_table(found),
         tables.time_table(found),
         tables.calibration_table(found),
+        tables.decision_table(found),
         tables.paired_table("paired_rmse", "RMSE (kPa)", found, lambda row: row.rmse_kpa, 1),
         tables.paired_table("paired_path", "Way (m)", found, lambda row: row.path_m, 0),
     )
 
 
-def _pictures(found: Standing, setting: Setting, hand: HandSurveys) -> dict[str, Figure]:
+def _pictures(found: ResultTable, setting: Setting, hand: HandSurveys) -> dict[str, Figure]:
     """All figures by name."""
-    number = max(len(results) for results in found.results.values())
+    number = max(len(results) for results in found.by_entrant.values())
     what = f"{number} fields, protocol {setting.protocol}, seed {setting.seed}"
     caption = f"{what}; means with 95 % intervals over fields"
     drawn = {
@@ -111,16 +112,16 @@ def _pictures(found: Standing, setting: Setting, hand: HandSurveys) -> dict[str,
     return {**drawn, **_example(found, setting)}
 
 
-def _example(found: Standing, setting: Setting) -> dict[str, Figure]:
+def _example(found: ResultTable, setting: Setting) -> dict[str, Figure]:
     """Maps with the way, and variograms, of one survey of the first field.
 
     None where its strategy is code that a folder only names.
     """
     entrant = _exemplary(found)
-    task = Task(setting, min(found.results[entrant]), entrant)
-    truth = truth_of(setting, task.field)
+    task = Task(setting, min(found.by_entrant[entrant]), entrant)
+    truth = truth_of(setting, task.field_number)
     try:
-        survey = surveyed(task, setting.samples[-1], truth, Scorer(truth))
+        survey, _ = surveyed(task, setting.samples[-1], truth, Scorer(truth))
     except NotAllowedError:
         return {}
     fits = fits_of(survey)
@@ -128,7 +129,7 @@ def _example(found: Standing, setting: Setting) -> dict[str, Figure]:
     return {f"example_{name}": drawn[name] for name in ("depth_slices", "std_dev", "variograms")}
 
 
-def _exemplary(found: Standing) -> Entrant:
+def _exemplary(found: ResultTable) -> Entrant:
     named = (e for name in _EXAMPLE for e in found.entrants if e.strategy == name)
     return next(named, found.entrants[0])
 
@@ -162,6 +163,8 @@ _CAPTIONS = {
     "time_quality": ("time_quality", "Linear between the numbers of samples compared; a survey "
         "that is over by then keeps its last map, and its share is given."),
     "calibration": ("calibration", ""),
+    "decision_time": ("", "Variograms, map and plan, on one core. It depends on the machine and "
+        "varies from run to run, as nothing else here does."),
     "paired_rmse": ("differences", "Fields won: on which the strategy's value is lower; a tie "
         "counts half."),
     "paired_path": ("", ""),
@@ -170,7 +173,7 @@ _CAPTIONS = {
 
 
 def _page(
-    found: Standing,
+    found: ResultTable,
     setting: Setting,
     fields: int,
     missing: int,
@@ -204,7 +207,7 @@ def _page(
         parts.append("## One survey\n")
         parts.append(
             f"{entrant.strategy} with {entrant.estimator} on field "
-            f"{min(found.results[entrant])}, {setting.samples[-1]} samples.\n"
+            f"{min(found.by_entrant[entrant])}, {setting.samples[-1]} samples.\n"
         )
         parts += [f"![{name}](figures/{name}.png)\n" for name in examples]
     return "\n".join(parts)

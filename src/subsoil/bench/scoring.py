@@ -6,7 +6,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from subsoil.agent import drive
-from subsoil.bench.task import Result, Row, Series, Task, survey_seed
+from subsoil.bench.task import Result, Series, Snapshot, Task, survey_seed
+from subsoil.bench.timing import Stopwatch, TimedDispatch
 from subsoil.bench.truths import TruthReader, truth_of
 from subsoil.errors import SubsoilError
 from subsoil.mapping.scores import rmse
@@ -27,18 +28,20 @@ class Scorer:
 
     def __init__(self, truth: Truth) -> None:
         self.truth = truth
-        self.rows: list[Row] = []
+        self.snapshots: list[Snapshot] = []
+        self.watch = Stopwatch()
 
     def append(self, event: Event, survey: Survey) -> None:
-        """Take a row once the variograms are up to date: then a plan or the end follows."""
+        """Look once the variograms are up to date: then a plan or the end follows."""
         n = survey.taken
-        if n > len(self.rows) + 1 and isinstance(event, Planned | Finished):
-            self.rows.append(row(survey, self.truth))
+        if n > len(self.snapshots) + 1 and isinstance(event, Planned | Finished):
+            with self.watch.running():
+                self.snapshots.append(snapshot(survey, self.truth))
 
 
-def row(survey: Survey, truth: Truth) -> Row:
+def snapshot(survey: Survey, truth: Truth) -> Snapshot:
     """How a survey stands."""
-    return Row(
+    return Snapshot(
         n=survey.taken,
         rmse_kpa=rmse(survey.soil_map.mean, truth.kpa),
         path_m=survey.metres,
@@ -60,10 +63,9 @@ def kv_error_correlation(soil_map: SoilMap, truth: Truth) -> float:
 
 
 def scored(task: Task) -> Result:
-    """Do all surveys of a task on one thread; a pure function of the task.
+    """Do all surveys of a task on one thread; a pure function of the task, but for their time.
 
-    Pure but for tours of more than 18 stops, which are searched for a time: see
-    :func:`subsoil.ways.routing.tour`. A strategy that does not know its budget surveys once.
+    A strategy that does not know its budget surveys once.
 
     Raises
     ------
@@ -73,14 +75,19 @@ def scored(task: Task) -> Result:
     samples = task.setting.samples
     budgets = samples[-1:] if task.entrant.strategy in STEP_BY_STEP else samples
     with threadpool_limits(1, user_api="blas"):
-        truth = truth_of(task.setting, task.field)
+        truth = truth_of(task.setting, task.field_number)
         return Result(task, tuple(_series(task, budget, truth) for budget in budgets))
 
 
 def surveyed(
     task: Task, samples: int, truth: Truth, scorer: Scorer, allowed: Allowed = NOBODY
-) -> Survey:
-    """Survey a field with a number of samples; returns the state at its end.
+) -> tuple[Survey, float]:
+    """Survey a field with a number of samples.
+
+    Returns
+    -------
+    survey, decision_s
+        The state at its end, and the mean processor time of a decision in s.
 
     Parameters
     ----------
@@ -95,7 +102,7 @@ def surveyed(
         If the task's strategy is of another module.
     """
     start = truth.field.entrance
-    seed = survey_seed(task.setting.seed, task.field)
+    seed = survey_seed(task.setting.seed, task.field_number)
     settings = Settings(
         start=start,
         strategy=task.entrant.strategy,
@@ -112,18 +119,19 @@ def surveyed(
     simulation = Simulation(world=task.setting.protocol, seed=seed)
     dispatch.join("reader", "simulator", simulation=simulation)
     robot = TruthReader(truth, dispatch.survey.access, start)
-    drive("reader", robot, dispatch, source=Source(kind="simulator"))
-    return dispatch.survey
+    timed = TimedDispatch(dispatch, aside=scorer.watch)
+    drive("reader", robot, timed, source=Source(kind="simulator"))
+    return dispatch.survey, timed.decision_s
 
 
 def _series(task: Task, samples: int, truth: Truth) -> Series:
     scorer = Scorer(truth)
     allowed = Allowed.by_name(task.entrant.strategy, task.entrant.estimator)
-    survey = surveyed(task, samples, truth, scorer, allowed)
+    survey, decision_s = surveyed(task, samples, truth, scorer, allowed)
     if survey.taken < samples:
         raise SubsoilError(
             f"it ended after {survey.taken} of {samples} samples: {survey.finished}",
             where=f"strategy {task.entrant.strategy}",
             remedy="fewer samples, or another strategy",
         )
-    return Series(samples, tuple(scorer.rows))
+    return Series(samples, tuple(scorer.snapshots), decision_s)

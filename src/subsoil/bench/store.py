@@ -15,17 +15,17 @@ import os
 import tempfile
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import version
+from io import StringIO
+from math import isnan
 from pathlib import Path
 from typing import Any
 
+from subsoil.bench.records import result_from_json, result_to_json, setting_from
 from subsoil.bench.task import (
     Entrant,
     Result,
     Setting,
     Task,
-    result_from_json,
-    result_to_json,
-    setting_from,
     tasks_of,
 )
 from subsoil.errors import ParameterError
@@ -33,9 +33,11 @@ from subsoil.io.write.whole import whole
 
 COLUMNS = (
     "field", "protocol", "strategy", "estimator", "n",
-    "rmse_kpa", "path_m", "minutes", "mean_kv", "predicted_rmse_kpa",
+    "rmse_kpa", "path_m", "minutes", "mean_kv", "predicted_rmse_kpa", "decision_s",
 )  # fmt: skip
 """Columns of ``results.csv``."""
+VARYING = "decision_s"
+"""The column that differs from run to run: processor time of a decision in s."""
 
 _CONFIG, _TASKS, _RESULTS = "config.json", "tasks", "results.csv"
 _DECIMALS = 6
@@ -138,7 +140,8 @@ def results_of(folder: Path) -> tuple[Result, ...]:
 def write_results(folder: Path) -> Path:
     """Write ``results.csv`` from all results; returns its path.
 
-    Rows are sorted and floats rounded to 6 decimals, so that equal results make equal files.
+    Rows are sorted and floats rounded to 6 decimals, so that equal results make equal files, but
+    for their last column: see :func:`repeatable`.
     """
     rows = sorted(row for result in results_of(folder) for row in _rows(result))
     path = folder / _RESULTS
@@ -149,19 +152,32 @@ def write_results(folder: Path) -> Path:
     return path
 
 
+def repeatable(results_csv: Path) -> str:
+    """What a ``results.csv`` says without the column that varies: equal for equal results."""
+    with results_csv.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    same = [k for k, name in enumerate(rows[0]) if name != VARYING]
+    text = StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerows([row[k] for k in same] for row in rows)
+    return text.getvalue()
+
+
 def _rows(result: Result) -> list[tuple[int | str | float, ...]]:
-    task = result.task
+    task, who = result.task, result.task.entrant
     return [
         (
-            task.field, task.setting.protocol, task.entrant.strategy, task.entrant.estimator, row.n,
-            row.rmse_kpa, row.path_m, row.minutes, row.mean_kv, row.predicted_rmse_kpa,
+            task.field_number, task.setting.protocol, who.strategy, who.estimator, at.n,
+            at.rmse_kpa, at.path_m, at.minutes, at.mean_kv, at.predicted_rmse_kpa, decision_s,
         )
-        for row in result.marks
+        for at, decision_s in zip(result.marks, result.decision_s, strict=True)
     ]  # fmt: skip
 
 
 def _text(value: int | str | float) -> str:
-    return repr(round(value, _DECIMALS)) if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    return "" if isnan(value) else repr(round(value, _DECIMALS))
 
 
 def _differences(folder: Path, before: Setting, now: Setting) -> list[str]:

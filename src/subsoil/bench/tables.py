@@ -12,7 +12,7 @@ import numpy as np
 
 from subsoil.bench.comparison import (
     Mean,
-    Standing,
+    ResultTable,
     by_minutes,
     correlation_over_samples,
     ended_before,
@@ -21,7 +21,7 @@ from subsoil.bench.comparison import (
 )
 from subsoil.bench.hand_survey import HandSurveys
 from subsoil.bench.paper import CORRELATION, MARKS, NORMALISED_RMSE, PATH_M, RMSE_KPA
-from subsoil.bench.task import Row
+from subsoil.bench.task import Snapshot
 from subsoil.io.write.whole import whole
 
 Cell = str | int | float | Mean
@@ -59,16 +59,16 @@ class Table:
     decimals: tuple[int, ...]
 
 
-def rmse_table(standing: Standing) -> Table:
+def rmse_table(results: ResultTable) -> Table:
     """Error of the map by number of samples, beside the paper's table 3."""
     title = "Error of the map (RMSE, kPa) by number of samples, and the paper's table 3"
-    return _by_samples("table3_rmse", title, standing, lambda row: row.rmse_kpa, RMSE_KPA, 1)
+    return _by_samples("table3_rmse", title, results, lambda row: row.rmse_kpa, RMSE_KPA, 1)
 
 
-def path_table(standing: Standing) -> Table:
+def path_table(results: ResultTable) -> Table:
     """Metres driven by number of samples, beside the paper's table 4."""
     title = "Way driven (m) by number of samples, and the paper's table 4"
-    return _by_samples("table4_path", title, standing, lambda row: row.path_m, PATH_M, 0)
+    return _by_samples("table4_path", title, results, lambda row: row.path_m, PATH_M, 0)
 
 
 def layer_table(hand: HandSurveys) -> Table:
@@ -86,20 +86,18 @@ def layer_table(hand: HandSurveys) -> Table:
     return Table("table1_layers", title, columns, rows, (0, 0, 0, 3, 2))
 
 
-def correlation_table(standing: Standing) -> Table:
+def correlation_table(results: ResultTable) -> Table:
     """Correlation of kriging variance and error, beside the paper's table 2."""
-    last = standing.samples[-1]
+    last = results.samples[-1]
     rows = tuple(
         (
-            standing.label(entrant),
-            len(standing.results[entrant]),
-            mean_of([correlation_over_samples(r) for r in standing.results[entrant].values()]),
-            mean_of(
-                list(standing.at(entrant, last, lambda row: row.kv_error_correlation).values())
-            ),
+            results.label(entrant),
+            len(results.by_entrant[entrant]),
+            mean_of([correlation_over_samples(r) for r in results.by_entrant[entrant].values()]),
+            mean_of(list(results.at(entrant, last, lambda row: row.kv_error_correlation).values())),
             CORRELATION.get(entrant.strategy, np.nan),
         )
-        for entrant in standing.entrants
+        for entrant in results.entrants
     )
     title = "Correlation of kriging variance and squared error, and the paper's table 2"
     columns = ("strategy", "fields", "over samples", f"over cells, n = {last}", "paper")
@@ -107,17 +105,17 @@ def correlation_table(standing: Standing) -> Table:
 
 
 def paired_table(
-    name: str, what: str, standing: Standing, value: Callable[[Row], float], decimals: int
+    name: str, what: str, results: ResultTable, value: Callable[[Snapshot], float], decimals: int
 ) -> Table:
     """Differences to the reference strategies, paired by field."""
     rows: list[tuple[Cell, ...]] = []
-    for reference in standing.references:
-        for entrant in (e for e in standing.entrants if e != reference):
-            for n in standing.samples:
-                found = paired(standing.at(entrant, n, value), standing.at(reference, n, value))
+    for reference in results.references:
+        for entrant in (e for e in results.entrants if e != reference):
+            for n in results.samples:
+                found = paired(results.at(entrant, n, value), results.at(reference, n, value))
                 rows.append(
                     (
-                        standing.label(reference), standing.label(entrant), n, found.difference,
+                        results.label(reference), results.label(entrant), n, found.difference,
                         found.percent, 100.0 * found.won, found.difference.fields,
                     )
                 )  # fmt: skip
@@ -127,16 +125,16 @@ def paired_table(
     return Table(name, title, columns, tuple(rows), kinds)
 
 
-def calibration_table(standing: Standing) -> Table:
+def calibration_table(results: ResultTable) -> Table:
     """Error that maps expected over the error they had."""
-    columns = ("strategy", *(f"n = {n}" for n in standing.samples))
+    columns = ("strategy", *(f"n = {n}" for n in results.samples))
     rows: tuple[tuple[Cell, ...], ...] = tuple(
         (
-            standing.label(entrant),
-            *(mean_of(list(standing.at(entrant, n, calibration).values()))
-              for n in standing.samples),
+            results.label(entrant),
+            *(mean_of(list(results.at(entrant, n, calibration).values()))
+              for n in results.samples),
         )
-        for entrant in standing.entrants
+        for entrant in results.entrants
     )  # fmt: skip
     title = (
         "Error expected over error made (root mean KV / RMSE): 1 is right, below 1 overconfident"
@@ -144,34 +142,49 @@ def calibration_table(standing: Standing) -> Table:
     return Table("calibration", title, columns, rows, (2,) * len(columns))
 
 
-def calibration(row: Row) -> float:
+def calibration(row: Snapshot) -> float:
     """Error that the map expected over the error it had."""
     return row.predicted_rmse_kpa / row.rmse_kpa
 
 
-def time_table(standing: Standing) -> Table:
+def time_table(results: ResultTable) -> Table:
     """Error of the map by one hour, and differences to the reference strategies."""
     by_time = {
-        entrant: {field: by_minutes(r, MINUTES) for field, r in standing.results[entrant].items()}
-        for entrant in standing.entrants
+        entrant: {field: by_minutes(r, MINUTES) for field, r in results.by_entrant[entrant].items()}
+        for entrant in results.entrants
     }
     rows: list[tuple[Cell, ...]] = []
-    for entrant in standing.entrants:
-        results = standing.results[entrant].values()
-        done = 100.0 * float(np.mean([ended_before(result, MINUTES) for result in results]))
+    for entrant in results.entrants:
+        surveys = results.by_entrant[entrant].values()
+        done = 100.0 * float(np.mean([ended_before(result, MINUTES) for result in surveys]))
         against: list[Cell] = [
             paired(by_time[entrant], by_time[reference]).difference if entrant != reference else "–"
-            for reference in standing.references
+            for reference in results.references
         ]
         ours = mean_of(list(by_time[entrant].values()))
-        rows.append((standing.label(entrant), ours, ours.fields, done, *against))
+        rows.append((results.label(entrant), ours, ours.fields, done, *against))
     columns = (
         "strategy", f"RMSE at {MINUTES:g} min", "fields", "over by then %",
-        *(f"minus {standing.label(reference)}" for reference in standing.references),
+        *(f"minus {results.label(reference)}" for reference in results.references),
     )  # fmt: skip
     title = f"Error of the map (RMSE, kPa) after {MINUTES:g} minutes of driving and probing"
-    decimals = (0, 1, 0, 0, *(1 for _ in standing.references))
+    decimals = (0, 1, 0, 0, *(1 for _ in results.references))
     return Table("time_quality", title, columns, tuple(rows), decimals)
+
+
+def decision_table(results: ResultTable) -> Table:
+    """Processor time of a decision, by number of samples."""
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (
+            results.label(entrant),
+            *(mean_of([r.decision_s[k] for r in results.by_entrant[entrant].values()])
+              for k in range(len(results.samples))),
+        )
+        for entrant in results.entrants
+    )  # fmt: skip
+    columns = ("strategy", *(f"n = {n}" for n in results.samples))
+    title = "Processor time (s) from a report to the next stop, mean over each survey"
+    return Table("decision_time", title, columns, rows, (3,) * len(columns))
 
 
 def markdown(table: Table) -> str:
@@ -210,19 +223,19 @@ def write_csv(table: Table, path: Path) -> None:
 def _by_samples(
     name: str,
     title: str,
-    standing: Standing,
-    value: Callable[[Row], float],
+    results: ResultTable,
+    value: Callable[[Snapshot], float],
     printed: Mapping[str, Sequence[float]],
     decimals: int,
 ) -> Table:
     columns = ["strategy", "fields"]
-    for n in standing.samples:
+    for n in results.samples:
         columns += [f"n = {n}", f"paper {n}"] if n in MARKS else [f"n = {n}"]
     rows: list[tuple[Cell, ...]] = []
-    for entrant in standing.entrants:
-        row: list[Cell] = [standing.label(entrant), len(standing.results[entrant])]
-        for n in standing.samples:
-            row.append(mean_of(list(standing.at(entrant, n, value).values())))
+    for entrant in results.entrants:
+        row: list[Cell] = [results.label(entrant), len(results.by_entrant[entrant])]
+        for n in results.samples:
+            row.append(mean_of(list(results.at(entrant, n, value).values())))
             if n in MARKS:
                 row.append(_papers(printed.get(entrant.strategy, ()), MARKS.index(n)))
         rows.append(tuple(row))

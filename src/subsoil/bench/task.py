@@ -11,8 +11,8 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from dataclasses import asdict, dataclass
-from math import sqrt
+from dataclasses import asdict, dataclass, field
+from math import nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -89,26 +89,35 @@ class Task:
     ----------
     setting
         What it shares with others.
-    field
-        Number of the field, from 0.
+    field_number
+        Which field, from 0.
     entrant
         Who surveys.
     """
 
     setting: Setting
-    field: int
+    field_number: int
     entrant: Entrant
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What is kept of it."""
+        return {
+            "setting": asdict(self.setting),
+            "field": self.field_number,
+            "entrant": asdict(self.entrant),
+        }
 
     @property
     def name(self) -> str:
         """Name that no other task has: its field and entrant, and a digest of all of it."""
-        digest = hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
+        digest = hashlib.sha256(json.dumps(self.record, sort_keys=True).encode()).hexdigest()
         who = re.sub(r"[^A-Za-z0-9._-]+", "-", f"{self.entrant.strategy}-{self.entrant.estimator}")
-        return f"{self.field:04d}-{who}-{digest[:12]}"
+        return f"{self.field_number:04d}-{who}-{digest[:12]}"
 
 
 @dataclass(frozen=True)
-class Row:
+class Snapshot:
     """Where a survey stood after a number of samples.
 
     Attributes
@@ -141,14 +150,26 @@ class Row:
 
 @dataclass(frozen=True)
 class Series:
-    """A survey that was given a number of samples, row by row from its second sample on."""
+    """A survey that was given a number of samples.
+
+    Attributes
+    ----------
+    budget
+        The samples it was given.
+    snapshots
+        Where it stood after each sample, from its second on.
+    decision_s
+        Processor time in s from a report to the next stop, mean over the survey; NaN where it was
+        not measured. It differs from run to run, and equal surveys may differ in it.
+    """
 
     budget: int
-    rows: tuple[Row, ...]
+    snapshots: tuple[Snapshot, ...]
+    decision_s: float = field(default=nan, compare=False)
 
-    def at(self, n: int) -> Row:
-        """Row of a number of samples."""
-        return next(row for row in self.rows if row.n == n)
+    def at(self, n: int) -> Snapshot:
+        """Where it stood after a number of samples."""
+        return next(each for each in self.snapshots if each.n == n)
 
 
 @dataclass(frozen=True)
@@ -164,29 +185,39 @@ class Result:
         return self.series[-1]
 
     @property
-    def marks(self) -> tuple[Row, ...]:
-        """Where surveys stood at the setting's numbers of samples.
+    def marks(self) -> tuple[Snapshot, ...]:
+        """Where surveys stood at the setting's numbers of samples."""
+        numbers = self.task.setting.samples
+        return tuple(s.at(n) for s, n in zip(self._marked, numbers, strict=True))
 
-        From the survey that was given that number, where there is one: an agent that knows its
-        budget goes elsewhere with another.
+    @property
+    def decision_s(self) -> tuple[float, ...]:
+        """Processor time a decision in s, of the survey of each of :attr:`marks`."""
+        return tuple(series.decision_s for series in self._marked)
+
+    @property
+    def _marked(self) -> tuple[Series, ...]:
+        """Of each number of samples, the survey that was given it, or else the longest.
+
+        An agent that knows its budget goes elsewhere with another.
         """
         own = {series.budget: series for series in self.series}
-        return tuple(own.get(n, self.longest).at(n) for n in self.task.setting.samples)
+        return tuple(own.get(n, self.longest) for n in self.task.setting.samples)
 
 
-def soil_rng(seed: int, field: int) -> np.random.Generator:
+def soil_rng(seed: int, number: int) -> np.random.Generator:
     """Source of the soil of a field."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(field, _SOIL)))
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number, _SOIL)))
 
 
-def hand_rng(seed: int, field: int) -> np.random.Generator:
+def hand_rng(seed: int, number: int) -> np.random.Generator:
     """Source of where a survey by hand probes a field."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(field, _HAND)))
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number, _HAND)))
 
 
-def survey_seed(seed: int, field: int) -> int:
+def survey_seed(seed: int, number: int) -> int:
     """Seed of the surveys of a field."""
-    sequence = np.random.SeedSequence(seed, spawn_key=(field, _SURVEY))
+    sequence = np.random.SeedSequence(seed, spawn_key=(number, _SURVEY))
     return int(sequence.generate_state(1)[0])
 
 
@@ -229,30 +260,3 @@ def entrants_of(strategies: tuple[str, ...], estimators: tuple[str, ...]) -> tup
 
 def _own_estimator(strategy: str) -> str:
     return "paper-10" if strategy in PAPER_STRATEGIES else "pmc"
-
-
-def result_to_json(result: Result) -> str:
-    """One line of JSON; floats survive bit for bit."""
-    return json.dumps(asdict(result), sort_keys=True)
-
-
-def result_from_json(text: str) -> Result:
-    """Result of one line of JSON.
-
-    Raises
-    ------
-    ValueError, KeyError, TypeError
-        If it is not a result.
-    """
-    record: dict[str, Any] = json.loads(text)
-    task = record["task"]
-    setting = setting_from(task["setting"])
-    series = tuple(
-        Series(one["budget"], tuple(Row(**row) for row in one["rows"])) for one in record["series"]
-    )
-    return Result(Task(setting, task["field"], Entrant(**task["entrant"])), series)
-
-
-def setting_from(record: dict[str, Any]) -> Setting:
-    """Setting of its record in JSON."""
-    return Setting(**{**record, "samples": tuple(record["samples"])})

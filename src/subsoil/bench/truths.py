@@ -15,7 +15,7 @@ from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import LARGE_CONE
 from subsoil.reports import STOPPED, Place, Reading
-from subsoil.simulation import Machine, Protocol, Truth, draw_field
+from subsoil.simulation import Machine, Scheme, Truth, draw_field
 from subsoil.simulation.fields import TEST_BED
 from subsoil.ways.access import Access
 from subsoil.ways.routing import length
@@ -82,7 +82,7 @@ def _drawn(setting: Setting, field: int) -> Truth:
     rng = soil_rng(setting.seed, field)
     if setting.protocol == "riseholme":
         return _riseholme(land_of(setting), rng)
-    protocol: Protocol = "surrogate" if setting.protocol == "surrogate" else "signal"
+    protocol: Scheme = "surrogate" if setting.protocol == "surrogate" else "signal"
     if not setting.boundary_wkt:
         return draw_field(rng, protocol)
     return draw_field(rng, protocol, field=land_of(setting))

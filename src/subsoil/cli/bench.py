@@ -1,11 +1,12 @@
-"""Verbs that compare strategies with each other: run a benchmark, report on it."""
+"""Verbs that compare strategies: run a benchmark, report on it, check one's own."""
 
 from __future__ import annotations
 
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from math import isnan
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -19,6 +20,7 @@ from subsoil.bench import (
     Retried,
     Setting,
     Task,
+    conformance,
     enter,
     keep,
     kept,
@@ -26,12 +28,14 @@ from subsoil.bench import (
     on_pool,
     write_results,
 )
+from subsoil.bench.conformance import Kind
+from subsoil.bench.conformance.rule import Verdict
 from subsoil.bench.running import Outcome
 from subsoil.bench.task import entrants_of
 from subsoil.bench.truths import land_of
 from subsoil.cli.examples import epilog
 from subsoil.cli.options import allowed_by
-from subsoil.cli.output import AsJson, folder, progress, tell
+from subsoil.cli.output import AsJson, folder, progress, say, tell
 from subsoil.cli.parsing import COMPARISON, OUTPUT, WORK, Verb, Verbs, grouped, some_of
 from subsoil.errors import ParameterError, SubsoilError, printable
 from subsoil.strategies import STRATEGIES
@@ -162,6 +166,49 @@ def report(
     from subsoil.bench.report import write_report
 
     tell(write_report(benchmark), as_json)
+
+
+@app.command(cls=Verb, epilog=epilog("bench check"))
+def check(
+    name: Annotated[
+        str,
+        typer.Argument(help="Strategy or estimator, module:attribute if your own.", metavar="NAME"),
+    ],
+    kind: Annotated[
+        Kind | None,
+        typer.Option(
+            help="What it is.",
+            show_default="by how it is called: view, or at and z",
+            rich_help_panel=COMPARISON,
+        ),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Try on a strategy or estimator what must hold of each; exit code 1 if a rule is broken."""
+    allowed_by(None, name)
+    found = conformance.check(name, kind, told=(lambda _: None) if as_json else _Teller())
+    if as_json:
+        rules = [{**asdict(verdict), "holds": verdict.holds} for verdict in found.verdicts]
+        tell({**asdict(found), "verdicts": rules, "broken": len(found.broken)}, as_json)
+    else:
+        held = len(found.verdicts) - len(found.broken)
+        each = "a decision" if found.kind == "strategy" else "for 30 readings of 3 layers"
+        took = "" if isnan(found.seconds) else f"; {found.seconds:.3f} s of processor time {each}"
+        say(f"{found.kind} {name}: {held} rules hold, {len(found.broken)} broken{took}")
+    if found.broken:
+        raise typer.Exit(1)
+
+
+class _Teller:
+    """Says verdicts as they come, and what breaks several rules once."""
+
+    def __init__(self) -> None:
+        self._said: set[str] = set()
+
+    def __call__(self, verdict: Verdict) -> None:
+        again = not verdict.holds and verdict.seen in self._said
+        self._said.add(verdict.seen)
+        say(f"BROKEN: {verdict.rule}: the same" if again else str(verdict))
 
 
 def _setting(protocol: str, seed: int, samples: str, boundary: Path | None) -> Setting:

@@ -25,6 +25,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "doctor": ("subsoil doctor",),
     "bench run": ("subsoil bench run --out duel --fields 2 --strategies random,joint --samples 9",),
     "bench report": ("subsoil bench report duel",),
+    "bench check": ("subsoil bench check area-split", "subsoil bench check pmc --json"),
 }
 """Command lines by verb, for a folder with field.geojson and readings.csv."""
 

@@ -172,8 +172,8 @@ def summary(survey: Survey) -> dict[str, object]:
             "target_samples": settings.samples,
             "seed": settings.seed,
         }
-        if survey.standing.measures:
-            pairs = zip(settings.goals, survey.standing.measures, strict=True)
+        if survey.goal_progress.measures:
+            pairs = zip(settings.goals, survey.goal_progress.measures, strict=True)
             result["goals"] = tuple(goal.words(measure) for goal, measure in pairs)
         if not settings.rates.free:
             result |= {"money": survey.spent.money, "currency": settings.rates.currency}

@@ -75,7 +75,7 @@ class Designs:
         self.average = self._convolved(self._weights, self._spectrum)
         self.squares = self._convolved(self._weights, self._transformed(self._kernel**2))
 
-    def rows(self, cells: Sequence[int]) -> tuple[Floats, Floats]:
+    def covariances(self, cells: Sequence[int]) -> tuple[Floats, Floats]:
         """(k, N) covariances of cells with all cells, and their (k, N) rows of G."""
         unknown = [cell for cell in cells if cell not in self._known]
         if unknown:
@@ -90,7 +90,7 @@ class Designs:
 
     def mean_variance(self, cells: Sequence[int]) -> float:
         """Mean kriging variance of the soil, filtered of its nugget, once cells are probed."""
-        c, g = self.rows(cells)
+        c, g = self.covariances(cells)
         return self.variance_left(self.inverse(c[:, list(cells)]), self.gram(cells, g))
 
     def inverse(self, covariance: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Soils that are known everywhere, and a robot to survey them with."""
 
 from subsoil.simulation.conditional import conditional_truth
-from subsoil.simulation.fields import Protocol, draw_field, draw_truth
+from subsoil.simulation.fields import Scheme, draw_field, draw_truth
 from subsoil.simulation.probe import Machine, push
 from subsoil.simulation.robot import SimulatedRobot
 from subsoil.simulation.soil import Soil
@@ -12,7 +12,7 @@ __all__ = [
     "Conditioned",
     "Kriged",
     "Machine",
-    "Protocol",
+    "Scheme",
     "SimulatedRobot",
     "Soil",
     "Truth",

@@ -18,7 +18,7 @@ from subsoil.simulation.surrogate import krige_layers
 from subsoil.simulation.truth import Truth
 from subsoil.variogram import paper_10
 
-Protocol = Literal["surrogate", "signal"]
+Scheme = Literal["surrogate", "signal"]
 """What counts as the truth: the kriged map of 286 samples read without noise, or the soil itself
 read with its push-to-push deviation."""
 
@@ -40,7 +40,7 @@ _PAPER_FIT = replace(paper_10, nugget_floor=0.0)
 
 def draw_field(
     rng: np.random.Generator,
-    protocol: Protocol = "surrogate",
+    protocol: Scheme = "surrogate",
     field: Field | None = None,
 ) -> Truth:
     """Draw a field of the test bed: 180 x 130 m, 936 cells of 5 m, eight layers of 5 cm.
@@ -123,11 +123,11 @@ def draw_truth(field: Field, rng: np.random.Generator, layers: Layers = PAPER_LA
 
 
 def _check_protocol(protocol: str) -> None:
-    if protocol not in get_args(Protocol):
+    if protocol not in get_args(Scheme):
         raise ParameterError(
             f"there is no protocol {protocol!r}",
             where="test bed",
-            remedy=f"one of {', '.join(get_args(Protocol))}",
+            remedy=f"one of {', '.join(get_args(Scheme))}",
         )
 
 

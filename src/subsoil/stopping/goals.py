@@ -200,7 +200,7 @@ Goal = TargetRmse | SureRmse | DecidedShare | LeastGain
 
 
 @dataclass(frozen=True)
-class Standing:
+class GoalProgress:
     """How goals stand: their last measures, and how many updates running each was met.
 
     Attributes
@@ -214,10 +214,10 @@ class Standing:
 
     Examples
     --------
-    >>> goals, standing = (TargetRmse(40.0),), Standing()
+    >>> goals, progress = (TargetRmse(40.0),), GoalProgress()
     >>> for samples, rmse in ((10, 39.0), (11, 38.0), (12, 36.0)):
-    ...     standing = standing.updated(goals, samples, (rmse,))
-    >>> standing.reached(goals)
+    ...     progress = progress.updated(goals, samples, (rmse,))
+    >>> progress.reached(goals)
     'predicted RMSE 36.0 kPa, 40 kPa asked for, 3 updates running'
     """
 
@@ -225,8 +225,10 @@ class Standing:
     measures: tuple[float, ...] = ()
     running: tuple[int, ...] = ()
 
-    def updated(self, goals: Sequence[Goal], samples: int, measures: tuple[float, ...]) -> Standing:
-        """Standing after an update; a second look at the same samples changes nothing."""
+    def updated(
+        self, goals: Sequence[Goal], samples: int, measures: tuple[float, ...]
+    ) -> GoalProgress:
+        """Progress after an update; a second look at the same samples changes nothing."""
         if samples == self.samples or len(measures) != len(goals):
             return self
         before = self.running or (0,) * len(goals)
@@ -234,7 +236,7 @@ class Standing:
             count + 1 if goal.met(measure) else 0
             for goal, measure, count in zip(goals, measures, before, strict=True)
         )
-        return Standing(samples, measures, running)
+        return GoalProgress(samples, measures, running)
 
     def reached(self, goals: Sequence[Goal]) -> str:
         """Why to stop now; empty to go on. Of several goals met the first says why."""
@@ -268,11 +270,11 @@ def first_stop(predicted: ArrayLike, samples: ArrayLike, target: float) -> int:
     >>> first_stop([50, 39, 41, 38, 37, 36], samples=[11, 12, 13, 14, 15, 16], target=40.0)
     5
     """
-    goals, standing = (TargetRmse(target),), Standing()
+    goals, progress = (TargetRmse(target),), GoalProgress()
     rmse, count = np.asarray(predicted, dtype=float), np.asarray(samples, dtype=np.int64)
     for update, (error, n) in enumerate(zip(rmse.tolist(), count.tolist(), strict=True)):
-        standing = standing.updated(goals, n, (error,))
-        if standing.reached(goals):
+        progress = progress.updated(goals, n, (error,))
+        if progress.reached(goals):
             return update
     return len(rmse)
 

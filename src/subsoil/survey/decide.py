@@ -147,7 +147,7 @@ def _measures(survey: Survey, plan: Plan) -> tuple[float, ...]:
 def _enough(survey: Survey) -> str:
     """Why to stop once the plan is made; empty to go on to its next stop, or to wait for others."""
     settings = survey.settings
-    if reason := survey.standing.reached(settings.goals):
+    if reason := survey.goal_progress.reached(settings.goals):
         return reason
     if not survey.plan.cells:
         return "" if survey.leases else survey.plan.reason or "nothing is planned"

@@ -151,7 +151,7 @@ def _configured(survey: Survey, event: Configured) -> Survey:
         position=survey.position if survey.stops else event.settings.start,
         plan=NO_PLAN,
         planned_at=NEVER,
-        standing=NOTHING_MEASURED,
+        goal_progress=NOTHING_MEASURED,
         finished="",
     )
 
@@ -193,7 +193,9 @@ def _planned(survey: Survey, event: Planned) -> Survey:
         plan=Plan(cells, event.reason, pushes),
         planned_at=event.step,
         planned_for=survey.assigned,
-        standing=survey.standing.updated(survey.settings.goals, survey.taken, event.measures),
+        goal_progress=survey.goal_progress.updated(
+            survey.settings.goals, survey.taken, event.measures
+        ),
     )
 
 

@@ -14,7 +14,7 @@ from subsoil.mapping.soilmap import SoilMap
 from subsoil.notebook import table
 from subsoil.penetrometer import Cone
 from subsoil.reports import Place, Refused, Sampled
-from subsoil.stopping import Spent, Standing
+from subsoil.stopping import GoalProgress, Spent
 from subsoil.strategies.view import Plan
 from subsoil.survey.agents import Agent, Lease, Stop
 from subsoil.survey.events import Simulation
@@ -28,7 +28,7 @@ NEVER = -1
 NOWHERE = -1
 """Cell of a place that lies in none."""
 NO_PLAN = Plan((), "")
-NOTHING_MEASURED = Standing()
+NOTHING_MEASURED = GoalProgress()
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Survey:
         Stops still to make, those handed out apart.
     soil_map
         The map so far.
-    standing
+    goal_progress
         How the goals of these settings stand.
     finished
         Why it is over; empty while it is not.
@@ -99,7 +99,7 @@ class Survey:
     simulation: tuple[Simulation, ...] = ()
     fits: tuple[FitRecord, ...] = ()
     plan: Plan = NO_PLAN
-    standing: Standing = NOTHING_MEASURED
+    goal_progress: GoalProgress = NOTHING_MEASURED
     finished: str = ""
     position: Place = (0.0, 0.0)
     assigned: int = 0

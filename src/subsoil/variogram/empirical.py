@@ -45,14 +45,14 @@ class EmpiricalVariogram:
         (b,) estimate in squared units of the data.
     pairs
         (b,) number of pairs behind each estimate.
-    estimator
+    formula
         Formula of the estimate.
     """
 
     lag: Floats
     semivariance: Floats
     pairs: Integers
-    estimator: Formula = "matheron"
+    formula: Formula = "matheron"
 
     def __post_init__(self) -> None:
         for array in (self.lag, self.semivariance, self.pairs):
@@ -75,7 +75,7 @@ def empirical(
     *,
     bin_width: float | None = None,
     cutoff: float | None = None,
-    estimator: Formula = "matheron",
+    formula: Formula = "matheron",
 ) -> EmpiricalVariogram:
     """Empirical variogram of one layer.
 
@@ -93,7 +93,7 @@ def empirical(
     cutoff
         Distance in m from which pairs are left out. Default: a third of the diagonal of the
         bounding box of the samples measured.
-    estimator
+    formula
         ``"matheron"`` (1962), or ``"cressie-hawkins"``: the fourth power of the mean root
         difference, which outliers move less (*Math. Geol.* 12, 1980, 115-125).
 
@@ -103,7 +103,7 @@ def empirical(
         If shapes do not match, a coordinate or value is not finite, there are fewer than two
         values, or all are at one place.
     ParameterError
-        If bin width or cut-off is not positive, or there is no such estimator.
+        If bin width or cut-off is not positive, or there is no such formula.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def empirical(
         values[:, known],
         bin_width=bin_width,
         cutoff=cutoff,
-        estimator=estimator,
+        formula=formula,
     )[0]
 
 
@@ -142,7 +142,7 @@ def empirical_layers(
     *,
     bin_width: float | None = None,
     cutoff: float | None = None,
-    estimator: Formula = "matheron",
+    formula: Formula = "matheron",
 ) -> tuple[EmpiricalVariogram, ...]:
     """Empirical variogram of each of several layers sampled at the same places.
 
@@ -156,7 +156,7 @@ def empirical_layers(
         (n, 2) eastings and northings in m.
     z
         (m, n) values; NaN where a layer was not measured.
-    bin_width, cutoff, estimator
+    bin_width, cutoff, formula
         As in :func:`empirical`.
 
     Raises
@@ -164,9 +164,9 @@ def empirical_layers(
     ReadingsError
         If shapes do not match, or a coordinate or value is not finite.
     ParameterError
-        If bin width or cut-off is not positive, or there is no such estimator.
+        If bin width or cut-off is not positive, or there is no such formula.
     """
-    check_binning(bin_width, cutoff, estimator)
+    check_binning(bin_width, cutoff, formula)
     places, values = _checked(at, z)
     if cutoff is None:
         extent = np.ptp(places, axis=0) if len(places) else np.zeros(2)
@@ -174,12 +174,12 @@ def empirical_layers(
     width = cutoff / BINS if bin_width is None else bin_width
     sums = [np.zeros((3, 0)) for _ in values]
     for pairs in _pairs(places, width, cutoff):
-        further = (_sums(pairs, layer, estimator) for layer in values)
+        further = (_sums(pairs, layer, formula) for layer in values)
         sums = [_more(*both) for both in zip(sums, further, strict=True)]
-    return tuple(_curve(each, estimator) for each in sums)
+    return tuple(_curve(each, formula) for each in sums)
 
 
-def check_binning(bin_width: float | None, cutoff: float | None, estimator: str) -> None:
+def check_binning(bin_width: float | None, cutoff: float | None, formula: str) -> None:
     """Raise ParameterError for a setting of :func:`empirical` that is outside what it may be."""
     for name, given in (("bin width", bin_width), ("cut-off", cutoff)):
         if given is not None and not 0 < given < np.inf:
@@ -187,10 +187,10 @@ def check_binning(bin_width: float | None, cutoff: float | None, estimator: str)
                 f"must be a positive distance in metres, not {given:g}",
                 where=f"variogram {name}",
             )
-    if estimator not in get_args(Formula):
+    if formula not in get_args(Formula):
         raise ParameterError(
-            f"there is no estimator {estimator!r}",
-            where="variogram estimator",
+            f"there is no formula {formula!r}",
+            where="variogram formula",
             remedy=f"one of {', '.join(get_args(Formula))}",
         )
 
@@ -234,7 +234,7 @@ def _pairs(at: Floats, width: float, cutoff: float) -> Iterator[_Pairs]:
         yield _Pairs(one[near] + start, other[near] + start, distance, in_bin)
 
 
-def _sums(pairs: _Pairs, z: Floats, estimator: Formula) -> Floats:
+def _sums(pairs: _Pairs, z: Floats, formula: Formula) -> Floats:
     """(3, b) pairs in each bin of one layer, their distances and powers of their differences.
 
     Of (n,) values with NaN where the layer was not measured.
@@ -242,7 +242,7 @@ def _sums(pairs: _Pairs, z: Floats, estimator: Formula) -> Floats:
     difference = np.abs(z[pairs.one] - z[pairs.other])
     known = ~np.isnan(difference)
     difference, in_bin = difference[known], pairs.bin[known]
-    power = difference**2 if estimator == "matheron" else np.sqrt(difference)
+    power = difference**2 if formula == "matheron" else np.sqrt(difference)
     number = np.bincount(in_bin).astype(float)
     return np.stack(
         [number, np.bincount(in_bin, pairs.distance[known]), np.bincount(in_bin, power)]
@@ -257,11 +257,11 @@ def _more(sums: Floats, further: Floats) -> Floats:
     return total
 
 
-def _curve(sums: Floats, estimator: Formula) -> EmpiricalVariogram:
+def _curve(sums: Floats, formula: Formula) -> EmpiricalVariogram:
     """Bin means of one layer by its (3, b) sums."""
     filled = np.flatnonzero(sums[0])
     number, distance, power = sums[:, filled]
     mean = power / number
-    if estimator == "cressie-hawkins":
+    if formula == "cressie-hawkins":
         mean = mean**4 / (0.457 + 0.494 / number + 0.045 / number**2)
-    return EmpiricalVariogram(distance / number, mean / 2, number.astype(np.int64), estimator)
+    return EmpiricalVariogram(distance / number, mean / 2, number.astype(np.int64), formula)

@@ -61,7 +61,7 @@ class LeastSquares:
     ----------
     model
         Kind of model, such as :class:`~subsoil.variogram.models.Spherical`.
-    bin_width, cutoff, estimator
+    bin_width, cutoff, formula
         As in :func:`~subsoil.variogram.empirical.empirical`.
     weights, range_bounds, starts, polish, nugget_floor
         As in :func:`~subsoil.variogram.fitting.fit`.
@@ -89,7 +89,7 @@ class LeastSquares:
     model: type[Bounded]
     bin_width: float | None = None
     cutoff: float | None = None
-    estimator: Formula = "matheron"
+    formula: Formula = "matheron"
     weights: Weights = "pairs"
     range_bounds: tuple[float, float] | None = None
     starts: int = 25
@@ -99,7 +99,7 @@ class LeastSquares:
     prior_sill: float = 1.0
 
     def __post_init__(self) -> None:
-        check_binning(self.bin_width, self.cutoff, self.estimator)
+        check_binning(self.bin_width, self.cutoff, self.formula)
         check_settings(self.weights, self.range_bounds, self.starts, self.nugget_floor)
         for name, value in (("range", self.prior_range), ("sill", self.prior_sill)):
             if not 0 < value < inf:
@@ -139,7 +139,7 @@ class LeastSquares:
     def bins(self, at: Floats, z: Floats) -> tuple[EmpiricalVariogram, ...]:
         """Empirical variogram of each layer, which its model is fitted to."""
         return empirical_layers(
-            at, z, bin_width=self.bin_width, cutoff=self.cutoff, estimator=self.estimator
+            at, z, bin_width=self.bin_width, cutoff=self.cutoff, formula=self.formula
         )
 
     def _prior(self, curve: EmpiricalVariogram, z: Floats, lack: str) -> Fit:

@@ -25,16 +25,16 @@ import shapely
 
 from subsoil.errors import BoundaryError, brief
 from subsoil.io.read.corners import read_coords, read_corners
-from subsoil.io.read.drawing import KEEP_OUT, Drawing
 from subsoil.io.read.geofile import read_geofile
 from subsoil.io.read.geojson import read_geojson
 from subsoil.io.read.kml import read_kml
+from subsoil.io.read.outlines import KEEP_OUT, Outlines
 from subsoil.io.read.text import check_file
 from subsoil.land.crs import WGS84, metres_frame, project, stretch
 from subsoil.land.field import Field
 from subsoil.land.outline import Area
 
-READERS: dict[str, Callable[[Path, str | None], Drawing]] = {
+READERS: dict[str, Callable[[Path, str | None], Outlines]] = {
     ".geojson": read_geojson,
     ".json": read_geojson,
     ".coords": lambda path, _: read_coords(path),
@@ -44,7 +44,7 @@ READERS: dict[str, Callable[[Path, str | None], Drawing]] = {
     ".shp": read_geofile,
     ".kml": lambda path, _: read_kml(path),
 }
-"""Reader of each suffix: from a path and the CRS of a file that names none to a drawing."""
+"""Reader of each suffix: from a path and the CRS of a file that names none to its outlines."""
 
 
 def read_field(
@@ -86,10 +86,10 @@ def read_field(
         If the cell size is not positive.
     """
     path = Path(path)
-    drawing = _read(path, crs)
-    field = _field(drawing, cell_size, path.name)
-    barred = _place(drawing.keep_outs, drawing.crs, field, path.name)
-    notes = (*field.notes, *drawing.notes, *_idle(barred, field, path.name))
+    found = _read(path, crs)
+    field = _field(found, cell_size, path.name)
+    barred = _place(found.keep_outs, found.crs, field, path.name)
+    notes = (*field.notes, *found.notes, *_idle(barred, field, path.name))
     if keep_outs is not None:
         file = Path(keep_outs)
         other = _read(file, crs)
@@ -98,7 +98,7 @@ def read_field(
     return replace(field, keep_outs=barred, notes=notes) if barred or notes else field
 
 
-def _read(path: Path, crs: str | None) -> Drawing:
+def _read(path: Path, crs: str | None) -> Outlines:
     check_file(path, BoundaryError)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
@@ -110,17 +110,17 @@ def _read(path: Path, crs: str | None) -> Drawing:
     return reader(path, crs)
 
 
-def _field(drawing: Drawing, cell_size: float, name: str) -> Field:
-    if len(drawing.outlines) != 1:
+def _field(found: Outlines, cell_size: float, name: str) -> Field:
+    if len(found.outlines) != 1:
         raise BoundaryError(
-            f"it holds {len(drawing.outlines)} outlines, not one",
+            f"it holds {len(found.outlines)} outlines, not one",
             where=name,
             remedy=f'leave one, and give keep-outs the property "role": "{KEEP_OUT}"',
         )
-    (outline,) = drawing.outlines
-    if drawing.crs == WGS84:
+    (outline,) = found.outlines
+    if found.crs == WGS84:
         return Field.from_lonlat(outline, cell_size=cell_size, name=name)
-    field = Field(outline, drawing.crs, (), cell_size, name)
+    field = Field(outline, found.crs, (), cell_size, name)
     home = metres_frame(field.crs, field.entrance) if field.crs else ""
     if home == field.crs:
         return field

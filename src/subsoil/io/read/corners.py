@@ -10,8 +10,8 @@ import re
 from pathlib import Path
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.read.drawing import Drawing, Feature, draw, frame
 from subsoil.io.read.marks import check_marks
+from subsoil.io.read.outlines import Feature, Outlines, frame, outlines_of
 from subsoil.io.read.text import POSITION_COLUMNS, number, read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import polygon
@@ -24,7 +24,7 @@ _HEADER = "write the header easting,northing (metres) or lat,lon (degrees)"
 Lines = list[tuple[int, str]]
 
 
-def read_coords(path: Path) -> Drawing:
+def read_coords(path: Path) -> Outlines:
     """Read lines of WGS84 ``latitude, longitude`` in decimal degrees.
 
     Raises
@@ -35,7 +35,7 @@ def read_coords(path: Path) -> Drawing:
     return _outline(_lines(path), ["latitude", "longitude"], WGS84, path.name)
 
 
-def read_corners(path: Path, crs: str | None) -> Drawing:
+def read_corners(path: Path, crs: str | None) -> Outlines:
     """Read two columns under a header ``easting,northing`` or ``lat,lon``.
 
     A file without a header holds easting and northing in m in the frame ``crs``.
@@ -75,7 +75,7 @@ def _lines(path: Path) -> Lines:
     return kept
 
 
-def _outline(lines: Lines, columns: list[str], crs: str, file: str) -> Drawing:
+def _outline(lines: Lines, columns: list[str], crs: str, file: str) -> Outlines:
     _check_marks(lines, crs, file)
     corners = []
     for row, line in lines:
@@ -88,7 +88,7 @@ def _outline(lines: Lines, columns: list[str], crs: str, file: str) -> Drawing:
         corners.append((x, y))
     if not corners:
         raise BoundaryError("there is no corner below the header", where=file)
-    return draw([Feature(file, polygon(corners, file))], crs, file)
+    return outlines_of([Feature(file, polygon(corners, file))], crs, file)
 
 
 def _check_marks(lines: Lines, crs: str, file: str) -> None:

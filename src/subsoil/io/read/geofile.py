@@ -15,7 +15,7 @@ from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, InputError, brief, listed
 from subsoil.io.read.alone import alone
-from subsoil.io.read.drawing import NOTHING, Drawing, Feature, draw, frame, left_alone
+from subsoil.io.read.outlines import NOTHING, Feature, Outlines, frame, left_alone, outlines_of
 from subsoil.io.read.text import check_file
 from subsoil.optional import load
 
@@ -42,7 +42,7 @@ class Layer:
     others: tuple[str, ...] = ()
 
 
-def read_geofile(path: Path, crs: str | None) -> Drawing:
+def read_geofile(path: Path, crs: str | None) -> Outlines:
     """Read the only layer of polygons of a file.
 
     Parameters
@@ -69,9 +69,9 @@ def read_geofile(path: Path, crs: str | None) -> Drawing:
         )
     roles = layer.fields.get("role", np.full(len(layer.shapes), ""))
     features = _features(layer.shapes, roles, path.name)
-    drawing = draw(features, frame(home, path.name), path.name)
+    found = outlines_of(features, frame(home, path.name), path.name)
     others = left_alone([f"layer {name}" for name in layer.others], path.name)
-    return replace(drawing, notes=(*drawing.notes, *others))
+    return replace(found, notes=(*found.notes, *others))
 
 
 def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:

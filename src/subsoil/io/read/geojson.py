@@ -13,13 +13,13 @@ from typing import Any
 from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.read.drawing import NOTHING, Drawing, Feature, draw, frame
+from subsoil.io.read.outlines import NOTHING, Feature, Outlines, frame, outlines_of
 from subsoil.io.read.text import read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import Area, polygon
 
 
-def read_geojson(path: Path, crs: str | None) -> Drawing:
+def read_geojson(path: Path, crs: str | None) -> Outlines:
     """Read a Polygon, MultiPolygon, Feature or FeatureCollection.
 
     Parameters
@@ -38,7 +38,7 @@ def read_geojson(path: Path, crs: str | None) -> Drawing:
     document = _json(read_text(path, BoundaryError), path.name)
     home = _home(document, path.name) or crs
     crs = frame(home, path.name) if home else WGS84
-    return draw(_features(document, path.name), crs, path.name)
+    return outlines_of(_features(document, path.name), crs, path.name)
 
 
 def features_of(path: Path) -> tuple[list[Any], str]:

@@ -15,7 +15,7 @@ from shapely.geometry import MultiPolygon, Polygon
 
 from subsoil.arrays import Floats
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.read.drawing import NOTHING, Drawing, Feature, draw, not_an_outline
+from subsoil.io.read.outlines import NOTHING, Feature, Outlines, not_an_outline, outlines_of
 from subsoil.io.read.text import read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import polygon
@@ -26,7 +26,7 @@ _SHAPES = ("Point", "LineString", "LinearRing", "Track", "MultiTrack", "Model")
 _LINKS = ("NetworkLink", "GroundOverlay")
 
 
-def read_kml(path: Path) -> Drawing:
+def read_kml(path: Path) -> Outlines:
     """Read the polygons of all placemarks; what is beside them is noted.
 
     Raises
@@ -40,7 +40,7 @@ def read_kml(path: Path) -> Drawing:
     if not features:
         raise not_an_outline("file without a polygon", path.name)
     links = [Feature(path.name, _kind(each)) for each in root.iter() if _kind(each) in _LINKS]
-    return draw([*features, *links], WGS84, path.name)
+    return outlines_of([*features, *links], WGS84, path.name)
 
 
 def _parsed(text: str, file: str) -> Element:
@@ -108,7 +108,9 @@ def _corners(text: str, where: str) -> Floats:
         return np.array([[float(x), float(y)] for x, y in pairs]).reshape(-1, 2)
     except ValueError as error:
         raise BoundaryError(
-            "its coordinates are not longitude,latitude pairs", where=where, remedy="draw it again"
+            "its coordinates are not longitude,latitude pairs",
+            where=where,
+            remedy="draw it again",
         ) from error
 
 

@@ -19,8 +19,8 @@ from subsoil.io.read.plausible import strength_notes
 from subsoil.io.read.readings_csv import read_readings_csv
 from subsoil.io.read.records import Recording, kpa_per_unit
 from subsoil.io.read.robot_yaml import read_robot_yaml
+from subsoil.io.read.screening import screened
 from subsoil.io.read.text import check_file
-from subsoil.io.read.usable import usable
 from subsoil.land.field import Field
 from subsoil.penetrometer import Cone
 from subsoil.readings import Finding, Readings, extent_of
@@ -76,7 +76,7 @@ def read_readings(
     coded, codes = without_codes(recording.records)
     recording = replace(recording, records=coded)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
-    records, profiles, refused = usable(recording, factor)
+    records, profiles, refused = screened(recording, factor)
     if not records:
         raise _none_usable(refused, path.name)
     rows = np.array([record.row for record in records], dtype=np.int64)

@@ -39,7 +39,7 @@ _SPLIT = 8e4
 
 
 @dataclass(frozen=True)
-class View:
+class Sighting:
     """How r readings look from a box; those neither rough nor smooth have no covariance there.
 
     Attributes
@@ -83,7 +83,7 @@ class Tile:
     def __len__(self) -> int:
         return len(self.at)
 
-    def split(self, views: list[View], shape: Shape) -> list[Tile]:
+    def split(self, sightings: list[Sighting], shape: Shape) -> list[Tile]:
         """Tiles of the parts of the box, as the readings look from each."""
         north, east = self.box.parts
         fields = _interpolated(
@@ -93,14 +93,14 @@ class Tile:
         )
         corners = product(_slices(north), _slices(east))
         return [
-            self._part(view, fields[:, row, column], shape)
-            for view, (row, column) in zip(views, corners, strict=True)
+            self._part(sighting, fields[:, row, column], shape)
+            for sighting, (row, column) in zip(sightings, corners, strict=True)
         ]
 
-    def _part(self, view: View, fields: Floats, shape: Shape) -> Tile:
+    def _part(self, sighting: Sighting, fields: Floats, shape: Shape) -> Tile:
         """Tile of a part of the box, from the fields at its nodes."""
-        first, box = 1 + len(self.slope), view.box
-        stay, go = np.flatnonzero(view.rough), np.flatnonzero(view.smooth)
+        first, box = 1 + len(self.slope), sighting.box
+        stay, go = np.flatnonzero(sighting.rough), np.flatnonzero(sighting.smooth)
         kept = fields.take(np.concatenate([np.arange(first), first + stay]), axis=0)
         gram = self.gram.take(stay, axis=0)
         if len(go):
@@ -199,10 +199,10 @@ class Tiler:
         """Write the means and variances of a tile into (k, ny, nx) and (ny, nx) of the grid."""
         nodes = tile.box.nodes_of_parts
         most = _work(tile.box.cells, len(tile)) - _SPLIT - _work(nodes, len(tile))
-        views = self._views(tile) if most > 0.0 else []
-        rest = sum(_work(view.box.cells, int(view.rough.sum())) for view in views)
+        sightings = self._sightings(tile) if most > 0.0 else []
+        rest = sum(_work(sighting.box.cells, int(sighting.rough.sum())) for sighting in sightings)
         if most > rest:
-            for part in tile.split(views, self._shape):
+            for part in tile.split(sightings, self._shape):
                 self.fill(part, mean, variance)
         else:
             tile.evaluate(mean, variance, self._shape)
@@ -211,23 +211,23 @@ class Tiler:
         if tile.box.cells <= _LARGEST:
             yield tile
         else:
-            for part in tile.split(self._views(tile), self._shape):
+            for part in tile.split(self._sightings(tile), self._shape):
                 yield from self._small(part)
 
-    def _views(self, tile: Tile) -> list[View]:
+    def _sightings(self, tile: Tile) -> list[Sighting]:
         """How the readings of a tile look from the parts of its box."""
         rows, columns = tile.box.parts
         look = self._smoothness_at(max(part.half for part in (*rows, *columns)))
         north = [(part, *look.span(tile.at[:, 1] - part.centre)) for part in rows]
         east = [(part, *look.span(tile.at[:, 0] - part.centre)) for part in columns]
-        views = []
+        sightings = []
         for (row, y, far_y), (column, x, far_x) in product(north, east):
             nearest, furthest = y + x, far_y + far_x
             touching = nearest < self._shape.end**2
             rough = look.rough(nearest, furthest)
             rough &= touching
-            views.append(View(Box(row, column), rough, touching ^ rough))
-        return views
+            sightings.append(Sighting(Box(row, column), rough, touching ^ rough))
+        return sightings
 
     def _smoothness_at(self, half: float) -> Smoothness:
         if half not in self._smoothness:

@@ -19,7 +19,7 @@ from subsoil.arrays import Bools, Floats, Integers
 from subsoil.kriging.designs import Designs
 from subsoil.strategies.joint.detours import Detours
 from subsoil.strategies.joint.options import Options, drawn
-from subsoil.strategies.joint.price import Price, Terms
+from subsoil.strategies.joint.price import Price, SweepOptions
 from subsoil.ways.access import Access
 
 _HOT, _COLD = 3e-4, 1e-5
@@ -74,7 +74,11 @@ class Exchange:
         self._order = list(range(len(fixed), len(self._cells)))
         self._open = free.copy()
         self._open[self._cells] = False
-        c, g = designs.rows(self._cells) if self._cells else (np.empty((0, self._cell_count)),) * 2
+        c, g = (
+            designs.covariances(self._cells)
+            if self._cells
+            else (np.empty((0, self._cell_count)),) * 2
+        )
         self._c = np.concatenate([c, np.ones((1, self._cell_count))])
         self._g = np.concatenate([g, designs.average[None]])
         self._detours = Detours(access, self._cells, start)
@@ -120,21 +124,21 @@ class Exchange:
             Source of the draws.
         """
         for temperature in np.geomspace(_HOT, _COLD, sweeps).tolist():
-            self._sweep(Terms(temperature), rng)
+            self._sweep(SweepOptions(temperature), rng)
             if budget_m < inf:
                 self._dearer *= exp(_MULTIPLIER_STEP * (self.metres / budget_m - 1.0))
-        self.descend(sweeps, Terms(), rng)
+        self.descend(sweeps, SweepOptions(), rng)
         for _ in range(_PRICE_RISES):
             if self.metres <= budget_m:
                 break
             self._dearer *= _PRICE_RISE
-            self.descend(sweeps, Terms(), rng)
-        self.descend(sweeps, Terms(budget_m=budget_m), rng)
+            self.descend(sweeps, SweepOptions(), rng)
+        self.descend(sweeps, SweepOptions(budget_m=budget_m), rng)
 
-    def descend(self, most: int, terms: Terms, rng: np.random.Generator) -> None:
+    def descend(self, most: int, sweep: SweepOptions, rng: np.random.Generator) -> None:
         """Sweep until nothing changes, at most so often; the draws order the stops."""
         for _ in range(most):
-            if not self._sweep(terms, rng):
+            if not self._sweep(sweep, rng):
                 break
 
     def next_best(self) -> tuple[float, float]:
@@ -146,7 +150,7 @@ class Exchange:
         """Put in the cell that is worth most."""
         options, best = self._best()
         slot, cell = len(self._cells), int(options.cells[best])
-        c, g = self.designs.rows([cell])
+        c, g = self.designs.covariances([cell])
         self._c = np.insert(self._c, slot, c, axis=0)
         self._g = np.insert(self._g, slot, g, axis=0)
         self._detours.insert(slot, cell)
@@ -178,30 +182,32 @@ class Exchange:
         shorter = self.metres - sum(self._legs(order))
         return left - self.variance - self._a_metre() * shorter
 
-    def _sweep(self, terms: Terms, rng: np.random.Generator) -> bool:
+    def _sweep(self, sweep: SweepOptions, rng: np.random.Generator) -> bool:
         """Exchange every stop once and shorten the way; whether anything changed."""
         if len(self._cells) < _FEWEST or not self._order:
             return False
         self.refresh()
-        a_metre = self._a_metre() if terms.budget_m == inf else 0.0
+        a_metre = self._a_metre() if sweep.budget_m == inf else 0.0
         before = self.route
         for slot in rng.permutation(np.sort(self._order)).tolist():
-            self._exchange(slot, terms, a_metre, rng)
+            self._exchange(slot, sweep, a_metre, rng)
         self._shorten()
         return self.route != before
 
-    def _exchange(self, slot: int, terms: Terms, a_metre: float, rng: np.random.Generator) -> None:
+    def _exchange(
+        self, slot: int, sweep: SweepOptions, a_metre: float, rng: np.random.Generator
+    ) -> None:
         """Take a stop out and put one in, the same or another, at its best place in the way."""
         self._open[self._cells[slot]] = True
         order = [other for other in self._order if other != slot]
         without = self._without(slot)
-        options = self._options(without, order, self._weighed(slot, terms.reach_m, rng))
+        options = self._options(without, order, self._weighed(slot, sweep.reach_m, rng))
         objective = a_metre * options.detour - options.gain
         objective[~self._open[options.cells]] = inf
-        if terms.budget_m < inf:
+        if sweep.budget_m < inf:
             now = options.detour[options.cells == self._cells[slot]][0]
-            objective[options.detour > max(terms.budget_m - sum(self._legs(order)), now)] = inf
-        chosen = drawn(objective, terms.temperature, rng)
+            objective[options.detour > max(sweep.budget_m - sum(self._legs(order)), now)] = inf
+        chosen = drawn(objective, sweep.temperature, rng)
         self._order = order
         self._order.insert(int(options.gap[chosen]), slot)
         self._put(slot, int(options.cells[chosen]))
@@ -228,7 +234,7 @@ class Exchange:
         if cell == self._cells[slot]:
             return
         self._cells[slot] = cell
-        (self._c[slot],), (self._g[slot],) = self.designs.rows([cell])
+        (self._c[slot],), (self._g[slot],) = self.designs.covariances([cell])
         self._detours.put(slot, cell)
         self._gram[:, slot] = self._g[:, cell]
         self._gram[slot] = self._gram[:, slot]

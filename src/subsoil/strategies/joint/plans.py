@@ -21,7 +21,7 @@ from subsoil.errors import ParameterError
 from subsoil.kriging.designs import Designs
 from subsoil.strategies.coverage import areas, carry_on, nearest_free
 from subsoil.strategies.joint.exchange import Exchange
-from subsoil.strategies.joint.price import Price, Terms
+from subsoil.strategies.joint.price import Price, SweepOptions
 from subsoil.strategies.joint.replicates import replicated
 from subsoil.strategies.view import Plan, View
 from subsoil.variogram.nested import Nested
@@ -75,24 +75,24 @@ def joint(
     price = _price(way, price_per_m, sweeps)
     if not (view.fresh and view.remaining > 0):
         return carry_on(view)
-    clock, designs = Clock(view), designs_for(view)
-    stops = _stops_in_time(view, clock, way)
+    time_left, designs = TimeLeft(view), designs_for(view)
+    stops = _stops_in_time(view, time_left, way)
     if not stops:
         return Plan((), "no time left for another stop")
     starts = [
         _exchange(view, designs, _split(view, stops), price)
         for _ in range(max(1, _STOPS_ANNEALED // stops))
     ]
-    budget = clock.metres_for(stops)
-    if not (price_per_m or clock.counts_minutes):
+    budget = time_left.metres_for(stops)
+    if not (price_per_m or time_left.counts_minutes):
         budget = min(budget, way * min(start.metres for start in starts))
     with threadpool_limits(1, user_api="blas"):
         for search in starts:
             search.anneal(sweeps, budget, view.rng)
-    best = min(starts, key=lambda s: (clock.late(s), s.variance if budget < inf else s.cost))
-    if clock.counts_minutes:
-        _suit_to_time(best, clock, view.remaining)
-        best.descend(sweeps, Terms(budget_m=clock.metres_for(len(best.route))), view.rng)
+    best = min(starts, key=lambda s: (time_left.late(s), s.variance if budget < inf else s.cost))
+    if time_left.counts_minutes:
+        _suit_to_time(best, time_left, view.remaining)
+        best.descend(sweeps, SweepOptions(budget_m=time_left.metres_for(len(best.route))), view.rng)
     return replicated(Plan(best.route, _reason(best, "planned")), view, best, most_pushes)
 
 
@@ -139,21 +139,21 @@ def joint_adaptive(
             sweeps=sweeps,
             most_pushes=most_pushes,
         )
-    price, clock = _price(way, price_per_m, sweeps), Clock(view)
-    if len(view.visited) < first_change and not clock.is_ticking:
+    price, time_left = _price(way, price_per_m, sweeps), TimeLeft(view)
+    if len(view.visited) < first_change and not time_left.is_ticking:
         return carry_on(view)
     search = _exchange(view, designs_for(view), view.plan, price)
-    _suit_to_time(search, clock, view.remaining)
+    _suit_to_time(search, time_left, view.remaining)
     if not search.route:
         return Plan((), "the limits leave no room for another stop")
-    budget = clock.metres_for(len(search.route)) if clock.is_ticking else search.metres
+    budget = time_left.metres_for(len(search.route)) if time_left.is_ticking else search.metres
     with threadpool_limits(1, user_api="blas"):
-        search.descend(_WARM_SWEEPS, Terms(reach_m=reach_m, budget_m=budget), view.rng)
+        search.descend(_WARM_SWEEPS, SweepOptions(reach_m=reach_m, budget_m=budget), view.rng)
     plan = Plan(search.route, _reason(search, "moved to where they are worth most"))
     return replicated(plan, view, search, most_pushes)
 
 
-class Clock:
+class TimeLeft:
     """What a survey's limits leave for driving.
 
     Parameters
@@ -218,15 +218,15 @@ def _exchange(view: View, designs: Designs, route: tuple[int, ...], price: Price
     )
 
 
-def _stops_in_time(view: View, clock: Clock, way: float) -> int:
+def _stops_in_time(view: View, time_left: TimeLeft, way: float) -> int:
     """Most stops there is time for, with a way of some share of an area split's."""
 
     def fits(stops: int) -> bool:
         split = view.access.at[list(_split(view, stops))]
-        return way * length(view.access, view.position, split) <= clock.metres_for(stops)
+        return way * length(view.access, view.position, split) <= time_left.metres_for(stops)
 
-    fewest, most = 0, clock.most_stops(view.remaining)
-    if not clock.counts_minutes or not most or fits(most):
+    fewest, most = 0, time_left.most_stops(view.remaining)
+    if not time_left.counts_minutes or not most or fits(most):
         return most
     while most - fewest > 1:
         middle = (fewest + most) // 2
@@ -244,13 +244,13 @@ def _split(view: View, stops: int) -> tuple[int, ...]:
     return reroute(view.access, view.access.at, view.position, (), cells)
 
 
-def _suit_to_time(search: Exchange, clock: Clock, most: int) -> None:
+def _suit_to_time(search: Exchange, time_left: TimeLeft, most: int) -> None:
     """Drop stops there is no time for; put stops in as long as there is."""
-    while clock.late(search) and len(search.route) > 1:
+    while time_left.late(search) and len(search.route) > 1:
         search.drop()
     while len(search.route) < most:
         search.insert()
-        if clock.late(search):
+        if time_left.late(search):
             search.drop()
             break
 

@@ -1,4 +1,4 @@
-"""What a metre of way is worth, and on what terms stops are exchanged."""
+"""What a metre of way is worth, and how stops are exchanged in a sweep."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class Price:
 
 
 @dataclass(frozen=True)
-class Terms:
-    """On what terms stops are exchanged in a sweep.
+class SweepOptions:
+    """How stops are exchanged in a sweep.
 
     Attributes
     ----------

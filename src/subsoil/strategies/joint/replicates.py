@@ -66,7 +66,7 @@ def push_gains(designs: Designs, readings: Sequence[int], stops: Sequence[int]) 
     array([0.0328])
     """
     inverse, gram = _solved(designs, readings)
-    c, g = designs.rows(stops)
+    c, g = designs.covariances(stops)
     c = np.concatenate([c[:, list(readings)], np.ones((len(c), 1))], axis=1).T
     g = np.concatenate([g[:, list(readings)], designs.average[list(stops), None]], axis=1).T
     weights = inverse @ c
@@ -187,7 +187,7 @@ def _traded(view: View, designs: Designs, route: Stops, most_pushes: int) -> tup
 
 def _solved(designs: Designs, readings: Sequence[int]) -> tuple[Floats, Floats]:
     """(n + 1, n + 1) inverse of the system of readings, and its G."""
-    c, g = designs.rows(readings)
+    c, g = designs.covariances(readings)
     return designs.inverse(c[:, list(readings)]), designs.gram(readings, g)
 
 

@@ -1,4 +1,4 @@
-"""Drawings: what a file of outlines shows, before it becomes a field."""
+"""Outlines of a file: what it shows, before it becomes a field."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Feature:
 
 
 @dataclass(frozen=True)
-class Drawing:
+class Outlines:
     """The shapes of a file, in one frame.
 
     Attributes
@@ -59,7 +59,7 @@ class Drawing:
     notes: tuple[str, ...] = ()
 
 
-def draw(features: Iterable[Feature], crs: str, file: str) -> Drawing:
+def outlines_of(features: Iterable[Feature], crs: str, file: str) -> Outlines:
     """Sort features into outlines and keep-outs; points and lines beside them are noted.
 
     Raises
@@ -81,7 +81,7 @@ def draw(features: Iterable[Feature], crs: str, file: str) -> Drawing:
         if other.role == KEEP_OUT or other.shape not in _BESIDE or not (outlines or keep_outs):
             raise not_an_outline(str(other.shape), other.where)
     left = [f"{other.shape} of {other.where}".replace(f" of {file}, ", " of ") for other in others]
-    return Drawing(crs, tuple(outlines), tuple(keep_outs), left_alone(left, file))
+    return Outlines(crs, tuple(outlines), tuple(keep_outs), left_alone(left, file))
 
 
 def left_alone(names: Sequence[str], file: str) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from subsoil.penetrometer import Profile
 from subsoil.readings import Finding
 
 
-def usable(
+def screened(
     recording: Recording, kpa_per_unit: float
 ) -> tuple[list[Record], list[Profile], list[Finding]]:
     """Records that can be used, their profiles in kPa, and findings about all others.
