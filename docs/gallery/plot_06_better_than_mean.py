@@ -2,10 +2,11 @@
 Is the map better than the mean?
 ================================
 
-For somebody who is about to act on a map, and should ask first whether it says more than one number would.
+For somebody who is about to act on a map, and should ask first whether it says more than one
+number would.
 
-Every reading is left out once and predicted from the others. Skill compares the error with that of the mean
-of the others: 1 is perfect, 0 no better than the mean.
+Every reading is left out once and predicted from the others. Skill compares the error with that
+of the mean of the others: 1 is perfect, 0 no better than the mean.
 """
 
 # %%
@@ -20,7 +21,7 @@ from subsoil.simulation import draw_truth
 
 field = ss.Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)])
 layers = ss.Layers((0.0, 0.1, 0.2, 0.3, 0.4))
-rng = np.random.default_rng(3)
+rng = np.random.default_rng(50)
 truth = draw_truth(field, rng, layers)
 
 
@@ -34,13 +35,14 @@ def scores_of(number):
 few, many = scores_of(12), scores_of(60)
 
 # %%
-# Where a layer has no skill, this is said in words; ``subsoil map`` and ``subsoil cv`` say it too.
+# Where a layer has no skill, this is said in words; ``subsoil map`` and ``subsoil cv`` say it
+# too.
 
 print(*no_better_than_mean(layers.names, few), sep="\n")
 
 # %%
-# The other number to look at is calibration, the mean square of errors in units of the standard deviation
-# that was expected of them: 1 where the map is as wrong as it says.
+# The other number to look at is calibration, the mean square of errors in units of the standard
+# deviation that was expected of them: 1 where the map is as wrong as it says.
 
 figure = Figure(figsize=(8.5, 3.8), layout="constrained")
 left, right = figure.subplots(1, 2)

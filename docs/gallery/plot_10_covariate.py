@@ -4,12 +4,14 @@ A covariate: when it helps, and when it is left alone
 
 For somebody with a conductivity or yield map of the field and few readings.
 
-A map of something known everywhere can lend its pattern to the soil's, by kriging with external drift. By
-default a layer follows it only where leaving readings out shows that it predicts better.
+A map of something known everywhere can lend its pattern to the soil's, by kriging with external
+drift. By default a layer follows it only where leaving readings out shows that it predicts
+better.
 """
 
 # %%
-# Two maps come with the field: one of conductivity, which has to do with the soil, and one that has not.
+# Two maps come with the field: one of conductivity, which half has to do with the soil, and one
+# that has not.
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -31,11 +33,12 @@ def standardised(values):
 
 clay = standardised(truth.kpa.mean(axis=0))
 nothing = standardised(other.kpa.mean(axis=0))
-conductivity = Covariate(field.cells, 30 + 5 * clay + 3 * nothing)
+conductivity = Covariate(field.cells, 30 + 5 * clay + 5 * nothing)
 unrelated = Covariate(field.cells, 30 + 5 * nothing)
 
 # %%
-# Sixteen readings, mapped without, with the one and with the other. ``drift`` tells which layers follow.
+# Sixteen readings, mapped without, with the one and with the other. ``drift`` tells which layers
+# follow.
 
 readings = truth.readings(rng.choice(len(field.cells), 16, replace=False))
 plain, with_it, without_use = (
@@ -49,15 +52,21 @@ print(f"the unrelated map is followed in {len(without_use.drift)}")
 # One layer of the soil, beside what the readings make of it alone and with the conductivity map.
 
 k = 4
-maps = {name: ss.krige(field, readings, fits) for name, fits in (("readings alone", plain), ("with conductivity", with_it))}
+maps = {
+    name: ss.krige(field, readings, fits)
+    for name, fits in (("readings alone", plain), ("with conductivity", with_it))
+}
 pictures = {"the soil": truth.kpa[k]} | {
-    f"{name}: RMSE {rmse(soil.mean, truth.kpa):.0f} kPa": soil.mean[k] for name, soil in maps.items()
+    f"{name}: RMSE {rmse(soil.mean, truth.kpa):.0f} kPa": soil.mean[k]
+    for name, soil in maps.items()
 }
 figure = Figure(figsize=(10, 3.0), layout="constrained")
 panels = figure.subplots(1, 3)
 for axes, (name, values) in zip(panels, pictures.items(), strict=True):
     low, high = truth.kpa[k].min(), truth.kpa[k].max()
-    image = axes.imshow(field.grid.image(values), origin="lower", extent=(0, 180, 0, 130), vmin=low, vmax=high)
+    image = axes.imshow(
+        field.grid.image(values), origin="lower", extent=(0, 180, 0, 130), vmin=low, vmax=high
+    )
     axes.plot(*readings.at.T, "o", color="white", markeredgecolor="black", markersize=4)
     axes.set_title(name, loc="left", fontsize=10)
     axes.set_axis_off()

@@ -4,15 +4,17 @@ Lanes that are driven one way
 
 For somebody whose robot keeps to the lanes of an orchard or a controlled-traffic field.
 
-Where one may stop, and how far it is from here to there, is an ``Access``: five members, and no class to
-inherit from. Strategies ask it for every distance, so that a plan keeps to lanes without knowing of them.
+Where one may stop, and how far it is from here to there, is an ``Access``: five members, and no
+class to inherit from. Strategies ask it for every distance, so that a plan keeps to lanes without
+knowing of them.
 """
 
 # %%
-# Lanes lead east and west by turns, 15 m apart, and end at headlands that are driven both ways. One stops in
-# lanes only.
+# Lanes lead east and west by turns, 15 m apart, and end at headlands that are driven both ways.
+# One stops in lanes only.
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -43,8 +45,10 @@ class Lanes:
         here, there = here[:, None], there[None]
         leave, enter = self._end(here, out=True), self._end(there, out=False)
         around = (
-            np.abs(leave - here[..., 0]) + np.abs(enter - leave)
-            + np.abs(there[..., 1] - here[..., 1]) + np.abs(there[..., 0] - enter)
+            np.abs(leave - here[..., 0])
+            + np.abs(enter - leave)
+            + np.abs(there[..., 1] - here[..., 1])
+            + np.abs(there[..., 0] - enter)
         )
         along = (there[..., 0] - here[..., 0]) * self._heading(here)
         direct = (self._row(here) == self._row(there)) & (along >= 0)
@@ -60,7 +64,9 @@ class Lanes:
         return np.array([here, *bends, there])
 
     def _row(self, at):
-        return np.floor((at[..., 1] - self.field.boundary.bounds[1]) / self.field.cell_size).astype(int)
+        return np.floor((at[..., 1] - self.field.boundary.bounds[1]) / self.field.cell_size).astype(
+            int
+        )
 
     def _heading(self, at):
         """East 1, west -1."""
@@ -77,8 +83,8 @@ lanes = Lanes(field)
 start = (0.0, 7.5)
 
 # %%
-# The same strategy with and without lanes. On open land the way is short and crosses the lanes; with them it
-# goes along each and comes back in the next.
+# The same strategy with and without lanes. On open land the way is short and crosses the lanes;
+# with them it goes along each and comes back in the next.
 
 plans = {
     "open land": ss.plan(field, "joint", samples=14, start=start),
@@ -91,9 +97,13 @@ for axes, (name, plan) in zip(figure.subplots(1, 2), plans.items(), strict=True)
         north, heading = 7.5 + 15 * lane, 1 if lane % 2 == 0 else -1
         axes.axhspan(north - 2.5, north + 2.5, color="#efe6d5", zorder=0)
         for middle in (40, 110):
-            axes.annotate("", (middle + 9 * heading, north), (middle - 9 * heading, north),
-                          arrowprops={"arrowstyle": "->", "color": "#b39b6c"})
-    legs = [(a, b) if name == "open land" else lanes.way(a, b) for a, b in zip(places, places[1:])]
+            axes.annotate(
+                "",
+                (middle + 9 * heading, north),
+                (middle - 9 * heading, north),
+                arrowprops={"arrowstyle": "->", "color": "#b39b6c"},
+            )
+    legs = [(a, b) if name == "open land" else lanes.way(a, b) for a, b in pairwise(places)]
     way = np.vstack(legs)
     axes.plot(*way.T, color="#2a5caa", linewidth=1.6)
     axes.plot(*places[1:].T, "o", color="white", markeredgecolor="black", markersize=6)

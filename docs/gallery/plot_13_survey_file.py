@@ -4,24 +4,25 @@ A survey in one file
 
 For somebody who has to show later how a map came about.
 
-A survey file is a GeoPackage: every event of the survey is in it, and a GIS opens it. It can be read while
-the survey runs, gone on with after a crash, and verified: every fit and plan is decided again from the
-events before it.
+A survey file is a GeoPackage: every event of the survey is in it, and a GIS opens it. It can be
+read while the survey runs, gone on with after a crash, and verified: every fit and plan is
+decided again from the events before it.
 """
 
 # %%
-# The file is there from the first moment. A simulated robot then works on the survey, and every report is on
-# disk before the next push.
+# The file is there from the first moment. A simulated robot then works on the survey, and every
+# report is on disk before the next push.
 
 import tempfile
 from pathlib import Path
+
+import numpy as np
 
 import subsoil as ss
 from subsoil import plots
 from subsoil.journal import create, fingerprint, open_journal, read_survey, verify
 from subsoil.survey import LocalDispatch, Settings, fold, opening
 from subsoil.survey.events import Configured
-from subsoil.survey.progress import progress_of
 from subsoil.survey.simulated import SIMULATED, simulation_of, soil_drawn, work
 
 field = ss.Field.from_metres([(0, 0), (120, 0), (120, 80), (0, 80)], name="Mill Field")
@@ -38,16 +39,18 @@ with open_journal(path) as journal:
     work(dispatch, truth)
 
 # %%
-# Anybody who has the file can check it. Two people with the same fingerprint hold the same survey.
+# Anybody who has the file can check it. Two people with the same fingerprint hold the same
+# survey.
 
 verdict = verify(path)
 content = read_survey(path)
-print(f"{len(content.events)} events, {len(verdict.findings)} findings, fingerprint {fingerprint(content.last[1])}")
+print(f"{len(content.events)} events, {len(verdict.findings)} findings")
+print(f"fingerprint {fingerprint(content.last[1])}")
 
 # %%
-# Opened again it is the survey that it was, with its map and its past.
+# Opened again it is the survey that it was, with its map and its way.
 
 survey = fold(content.events)
-opened_event, *events = content.events
-figure = plots.learning_curves(progress_of(opened_event, events), caption=f"{field.name}, simulated, read from {path.name}")
+way = np.vstack([survey.settings.start, survey.soil_map.at])
+figure = plots.depth_slices(survey.soil_map, way=way, caption=f"read from {path.name}; simulated")
 figure
