@@ -43,18 +43,12 @@ print(f"greedy: {greedy.reason}")
 figure = Figure(figsize=(9.5, 4.0), layout="constrained")
 panels = figure.subplots(1, 2, sharey=True)
 grid = field.grid
-half = field.cell_size / 2
-extent = (
-    grid.easting[0] - half,
-    grid.easting[-1] + half,
-    grid.northing[0] - half,
-    grid.northing[-1] + half,
-)
 for axes, (name, plan) in zip(panels, plans.items(), strict=True):
     way = np.vstack([field.entrance, field.cells[list(plan.cells)]])
     metres = np.hypot(*np.diff(way, axis=0).T).sum()
     expected = forecast(soil, plan.cells)[-1]
-    image = axes.imshow(grid.image(np.sqrt(soil.kv)), extent=extent, origin="lower", cmap="magma")
+    deviation = grid.image(np.sqrt(soil.kv))
+    image = axes.pcolormesh(grid.easting, grid.northing, deviation, cmap="magma")
     axes.plot(
         *soil.at.T, "o", color="white", markeredgecolor="black", markersize=5, label="readings"
     )
@@ -73,6 +67,7 @@ for axes, (name, plan) in zip(panels, plans.items(), strict=True):
     axes.set_title(
         f"{name}: {metres:.0f} m, then {expected:.0f} kPa expected", loc="left", fontsize=10
     )
+    axes.set_aspect("equal")
     axes.set_axis_off()
 panels[0].legend(
     loc="lower center", bbox_to_anchor=(0.5, -0.14), ncols=3, frameon=False, fontsize=8

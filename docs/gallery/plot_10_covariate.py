@@ -41,34 +41,33 @@ unrelated = Covariate(field.cells, 30 + 5 * nothing)
 # follow.
 
 readings = truth.readings(rng.choice(len(field.cells), 16, replace=False))
-plain, with_it, without_use = (
-    ss.fit(readings, layers, **given)
-    for given in ({}, {"covariate": conductivity}, {"covariate": unrelated})
-)
-print(f"conductivity is followed in {len(with_it.drift)} of {len(layers)} layers")
-print(f"the unrelated map is followed in {len(without_use.drift)}")
+plain = ss.fit(readings, layers)
+helped = ss.fit(readings, layers, covariate=conductivity)
+not_helped = ss.fit(readings, layers, covariate=unrelated)
+print(f"conductivity is followed in {len(helped.drift)} of {len(layers)} layers")
+print(f"the unrelated map is followed in {len(not_helped.drift)}")
 
 # %%
 # One layer of the soil, beside what the readings make of it alone and with the conductivity map.
 
 k = 4
-maps = {
-    name: ss.krige(field, readings, fits)
-    for name, fits in (("readings alone", plain), ("with conductivity", with_it))
+alone = ss.krige(field, readings, plain).mean
+followed = ss.krige(field, readings, helped).mean
+pictures = {
+    "the soil": truth.kpa,
+    f"readings alone: RMSE {rmse(alone, truth.kpa):.0f} kPa": alone,
+    f"with conductivity: RMSE {rmse(followed, truth.kpa):.0f} kPa": followed,
 }
-pictures = {"the soil": truth.kpa[k]} | {
-    f"{name}: RMSE {rmse(soil.mean, truth.kpa):.0f} kPa": soil.mean[k]
-    for name, soil in maps.items()
-}
+low, high = truth.kpa[k].min(), truth.kpa[k].max()
 figure = Figure(figsize=(10, 3.0), layout="constrained")
 panels = figure.subplots(1, 3)
 for axes, (name, values) in zip(panels, pictures.items(), strict=True):
-    low, high = truth.kpa[k].min(), truth.kpa[k].max()
-    image = axes.imshow(
-        field.grid.image(values), origin="lower", extent=(0, 180, 0, 130), vmin=low, vmax=high
+    image = axes.pcolormesh(
+        field.grid.easting, field.grid.northing, field.grid.image(values[k]), vmin=low, vmax=high
     )
     axes.plot(*readings.at.T, "o", color="white", markeredgecolor="black", markersize=4)
     axes.set_title(name, loc="left", fontsize=10)
+    axes.set_aspect("equal")
     axes.set_axis_off()
 figure.colorbar(image, ax=panels, shrink=0.8, label=f"{layers.names[k]} (kPa)")
 figure
