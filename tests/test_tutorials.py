@@ -94,6 +94,8 @@ def test_a_tutorial_that_is_followed_leads_to_what_it_shows(
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     follow(page, tmp_path)
+    for saved in tmp_path.glob("*.py"):
+        sys.modules.pop(saved.stem, None)
 
 
 @every_page
