@@ -85,7 +85,8 @@ class Readings:
         at
             (n, 2) easting and northing in m, in the frame of the field if there is one.
         depth_m
-            (d,) increasing depths in m, positive down.
+            (d,) increasing depths in m, positive down. A reading stands for the soil since the
+            depth above it: layer means go in at the lower edges of their layers.
         kpa
             (n, d) cone index in kPa; NaN below the last depth that a push reached.
         field

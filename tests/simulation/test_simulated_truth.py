@@ -8,7 +8,7 @@ import pytest
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers
-from subsoil.simulation import Soil, Truth
+from subsoil.simulation import Soil, Truth, draw_field
 
 FIELD = Field.from_metres([(0, 0), (10, 0), (10, 10), (0, 10)])
 LAYERS = Layers((0.0, 0.1, 0.2))
@@ -49,3 +49,14 @@ def test_nan_is_no_resistance() -> None:
 def test_arrays_must_fit_the_field() -> None:
     with pytest.raises(ParameterError, match=r"kpa is \(2, 3\), not \(2, 4\)"):
         Truth(FIELD, LAYERS, KPA[:, :3].copy(), np.zeros((2, 4)), SOIL)
+
+
+def test_readings_of_a_truth_are_its_first_pushes_and_say_that_they_are_simulated() -> None:
+    truth = draw_field(np.random.default_rng(1), "signal")
+    cells = [5, 300, 17]
+    readings = truth.readings(cells)
+    expected = np.transpose([truth.reading(cell) for cell in cells])
+    assert np.allclose(readings.layer_means(truth.layers), expected)
+    assert (readings.at == truth.field.cells[cells]).all()
+    assert readings.simulated
+    assert readings.extent_m == truth.field.extent_m

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers
+from subsoil.readings import Readings
 from subsoil.simulation.soil import Soil
 from subsoil.variogram import Fit
 
@@ -116,3 +118,20 @@ class Truth:
         stream = np.random.default_rng(np.random.SeedSequence((cell, push)))
         other = stream.integers(self.kpa.shape[1])
         return np.maximum(self.kpa[:, cell] + self.noise[:, other], 0.0)
+
+    def readings(self, cells: ArrayLike) -> Readings:
+        """Readings of a first push in each of (k,) cells, which say that they are simulated.
+
+        Examples
+        --------
+        >>> from subsoil.simulation import draw_field
+        >>> truth = draw_field(np.random.default_rng(1), "signal")
+        >>> readings = truth.readings([0, 100, 200])
+        >>> len(readings), readings.simulated
+        (3, True)
+        """
+        index = np.asarray(cells, dtype=np.int64)
+        kpa = (self.kpa + self.noise)[:, index].T
+        depth = self.layers.bottom_m
+        found = Readings.of(self.field.cells[index], depth, kpa, field=self.field)
+        return replace(found, simulated=True)
