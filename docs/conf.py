@@ -24,6 +24,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "commands",
     "rooms",
+    "links",
 ]
 exclude_patterns = ["_build", "_ext", "_templates", "gallery", "examples/*.ipynb"]
 templates_path = ["_templates"]

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import inspect
 import pkgutil
-import re
-import sys
-from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from pydoc import locate
 from types import GenericAlias, ModuleType
 from typing import TYPE_CHECKING, Any
 
-from docutils.utils import get_source_line
 from sphinx.pycode import ModuleAnalyzer
-from sphinx.util.nodes import make_refnode
 
 import subsoil
 
 if TYPE_CHECKING:
-    from docutils.nodes import Element
-    from sphinx.addnodes import pending_xref
     from sphinx.application import Sphinx
     from sphinx.config import Config
 
@@ -36,7 +28,6 @@ ROOMS = (
     "datasets", "worlds", "plots", "report", "bench",
 )  # fmt: skip
 """Rooms that somebody's own program may use, from the bottom up."""
-_ARRAY = r"~?numpy\.ndarray\[tuple\[~?typing\.Any, \.\.\.\], ~?numpy\.dtype\[[^\]]*\]\]"
 
 
 def public(module: ModuleType) -> dict[str, Any]:
@@ -74,14 +65,14 @@ def homes() -> dict[str, dict[str, str]]:
         *(offered[room] for room in ROOMS),
     ):
         for name, value in names.items():
-            pages.setdefault(_key(name, value), name)
+            pages.setdefault(key(name, value), name)
     return {
-        room: {name: pages[_key(name, value)] for name, value in names.items()}
+        room: {name: pages[key(name, value)] for name, value in names.items()}
         for room, names in offered.items()
     }
 
 
-def _key(name: str, value: Any) -> object:
+def key(name: str, value: Any) -> object:
     """Say what is the same thing under two names: the same class, function or constant."""
     if _named(value):
         return value.__module__, value.__qualname__
@@ -137,74 +128,21 @@ def file_names(offered: dict[str, dict[str, str]]) -> dict[str, str]:
     return found
 
 
-def resolved(app: Sphinx, _: Any, node: pending_xref, text: Element) -> Element | None:
-    """Link a name to the page of what it names; one without a page here stays text.
-
-    A name of nothing is left to Sphinx, which warns of it.
-    """
-    if node["refdomain"] != "py":
-        return None
-    target = node["reftarget"].partition("[")[0]
-    for name in (f"{around}.{target}".strip(".") for around in ("", *_around(node))):
-        thing = locate(name) or sys.modules.get(name)
-        if thing is not None:
-            home = _by_key().get(_key(name, thing))
-            return _link(app, node, text, home) if home else text
-        owner, field = name.rpartition(".")[::2]
-        if field in getattr(locate(owner), "__annotations__", ()):
-            return text
-    return None
-
-
-def _around(node: pending_xref) -> Iterator[str]:
-    """Modules and classes, the inmost first, that what names something is written in."""
-    source = re.search("docstring of (.*)", get_source_line(node)[0] or "")
-    inmost = source[1] if source else node.get("py:module") or ""
-    parts = inmost.split(".")
-    return (".".join(parts[:k]) for k in range(len(parts), 0, -1))
-
-
-def explained(_: Sphinx, what: str, name: str, *rest: Any) -> None:
-    """Say of a constant of a room what is said where it is defined."""
-    lines: list[str] = rest[-1]
-    module, constant = name.rpartition(".")[::2]
-    if what == "data" and not any(lines):
-        lines[:] = _constants(module).get(constant, [])
-
-
-@cache
-def _constants(package: str) -> dict[str, list[str]]:
-    paths = getattr(import_module(package), "__path__", ())
-    within = [each.name for each in pkgutil.walk_packages(paths, f"{package}.")]
-    documented = [ModuleAnalyzer.for_module(name).find_attr_docs() for name in within]
-    return {name: lines for of_one in documented for (_, name), lines in of_one.items()}
-
-
-def shortened(*said: Any) -> tuple[str, str] | None:
-    """Write arrays in a signature without their generics, and defaults without a value as dots."""
-    signature, returns = said[-2:]
-    if signature is None:
-        return None
-    return _short(signature), _short(returns)
-
-
-def _short(types: str | None) -> str:
-    arrays = re.sub(_ARRAY, "~numpy.ndarray", types or "")
-    return re.sub(r"<[^>]*>", "...", arrays)
-
-
-@cache
-def _by_key() -> dict[object, str]:
-    return {_key(home, locate(home)): home for room in homes().values() for home in room.values()}
-
-
-def _link(app: Sphinx, node: pending_xref, text: Element, home: str) -> Element:
-    file = app.config.autosummary_filename_map.get(home, home)
-    return make_refnode(app.builder, node["refdoc"], f"reference/api/{file}", home, text, home)
+def explain() -> None:
+    """Let Sphinx know what is said of the constants of a room where they are defined."""
+    for room in ROOMS:
+        module = import_module(_module(room))
+        paths = getattr(module, "__path__", ())
+        within = [each.name for each in pkgutil.walk_packages(paths, f"{module.__name__}.")]
+        here = ModuleAnalyzer.for_module(module.__name__).find_attr_docs()
+        for name in within:
+            there = ModuleAnalyzer.for_module(name).find_attr_docs()
+            here |= {key: said for key, said in there.items() if key[1] in vars(module)}
 
 
 def write(app: Sphinx, config: Config) -> None:
     """Write the pages where Sphinx finds them."""
+    explain()
     folder, offered = Path(app.srcdir) / FOLDER, homes()
     config.autosummary_filename_map = file_names(offered)
     folder.mkdir(parents=True, exist_ok=True)
@@ -216,7 +154,4 @@ def write(app: Sphinx, config: Config) -> None:
 def setup(app: Sphinx) -> dict[str, bool]:
     """Tell Sphinx."""
     app.connect("config-inited", write)
-    app.connect("missing-reference", resolved)
-    app.connect("autodoc-process-signature", shortened)
-    app.connect("autodoc-process-docstring", explained)
     return {"parallel_read_safe": True}

@@ -25,6 +25,7 @@ from subsoil.errors import ParameterError, ReadingsError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Formula = Literal["matheron", "cressie-hawkins"]
+"""How the differences in a bin are averaged; Cressie and Hawkins' way bears outliers."""
 
 CUTOFF_SHARE = 1 / 3
 """Default cut-off as a share of the diagonal of the samples' bounding box."""

@@ -23,6 +23,7 @@ from subsoil.variogram.nested import Nested
 
 Floats = NDArray[np.float64]
 Weights = Literal["pairs", "pairs/lag2", "pairs/gamma2"]
+"""What a bin counts for: its pairs, or these over the square of its lag or of its semivariance."""
 
 FEWEST_PAIRS = 3
 """Pairs of places below which the three parameters are not fitted."""
