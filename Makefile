@@ -7,7 +7,7 @@ READY = .venv/.ready
 
 OLDEST = .venv-oldest/bin
 
-.PHONY: demo test test-all test-oldest check bench clean
+.PHONY: demo test test-all test-oldest check bench docs clean
 
 demo: $(READY)
 	$(BIN)/subsoil demo --out demo --overwrite
@@ -39,6 +39,11 @@ check: $(READY)
 bench: $(READY)
 	$(BIN)/python -m benchmarks
 
+# Warnings are errors: a name that is not there, a page that nothing leads to, an example that fails.
+docs: $(READY)
+	$(BIN)/python -m sphinx --builder html --fresh-env --fail-on-warning --keep-going --quiet docs docs/_build/html
+	@echo "Open docs/_build/html/index.html."
+
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; assert sys.version_info >= (3, 11)' || \
 		{ echo "subsoil needs Python 3.11 or newer; set PYTHON=/path/to/python3.11"; exit 2; }
@@ -50,5 +55,6 @@ $(READY): pyproject.toml
 	@touch $(READY)
 
 clean:
-	rm -rf .venv .venv-oldest demo bench-results build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf .venv .venv-oldest demo bench-results docs/_build docs/examples docs/reference/api \
+		docs/reference/commands docs/reference/rooms build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

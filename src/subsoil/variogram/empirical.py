@@ -24,6 +24,7 @@ from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError, ReadingsError
 
 Formula = Literal["matheron", "cressie-hawkins"]
+"""How the differences in a bin are averaged; Cressie and Hawkins' way bears outliers."""
 
 CUTOFF_SHARE = 1 / 3
 """Default cut-off as a share of the diagonal of the samples' bounding box."""

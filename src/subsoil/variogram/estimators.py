@@ -62,7 +62,7 @@ class LeastSquares:
     model
         Kind of model, such as :class:`~subsoil.variogram.models.Spherical`.
     bin_width, cutoff, formula
-        As in :func:`~subsoil.variogram.empirical.empirical`.
+        As in :func:`~subsoil.variogram.empirical`.
     weights, range_bounds, starts, polish, nugget_floor
         As in :func:`~subsoil.variogram.fitting.fit`.
     prior_range

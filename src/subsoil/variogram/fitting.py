@@ -22,6 +22,7 @@ from subsoil.variogram.models import Bounded
 from subsoil.variogram.nested import Nested
 
 Weights = Literal["pairs", "pairs/lag2", "pairs/gamma2"]
+"""What a bin counts for: its pairs, or these over the square of its lag or of its semivariance."""
 
 FEWEST_PAIRS = 3
 """Pairs of places below which the three parameters are not fitted."""
