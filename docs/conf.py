@@ -64,7 +64,7 @@ autosummary_generate = True
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_type_aliases = {
-    **dict.fromkeys(("Bools", "Flags", "Floats", "Integers"), "numpy.ndarray"),
+    **dict.fromkeys(("Bools", "Floats", "Indices", "Integers"), "numpy.ndarray"),
     "ArrayLike": "numpy.typing.ArrayLike",
     "Estimator": "subsoil.variogram.Estimator",
     "Event": "subsoil.survey.events.Event",
