@@ -45,9 +45,9 @@ maps = {
 
 # %%
 # Exact kriging is the same map with a spike at every reading, and its band is that of a further
-# push, nugget included. Without a nugget the map runs through every reading, is wrong more often,
-# and is too sure of itself. For soil strength, filter; ``exact=True`` is for comparisons with
-# classic kriging.
+# push, nugget included. Without a nugget the map runs through every reading, is farther off, and
+# is too sure of itself. For soil strength, filter; ``exact=True`` is for comparisons with classic
+# kriging.
 
 figure = Figure(figsize=(7.5, 7.2), layout="constrained")
 panels = figure.subplots(3, sharex=True, sharey=True)

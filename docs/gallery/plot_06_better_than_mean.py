@@ -10,7 +10,9 @@ of the mean of the others: 1 is perfect, 0 no better than the mean.
 """
 
 # %%
-# One field is read twelve times, another day sixty times.
+# One field is read twelve times, another day sixty times. It was picked to show both: of twelve
+# fields whose soil is alike over more than 40 m, five had a layer without skill after twelve
+# readings, and one after sixty.
 
 import numpy as np
 from matplotlib.figure import Figure

@@ -29,10 +29,11 @@ ahead = outlook(run)
 print(in_words(run, ahead))
 
 # %%
-# The soil is known here, so the promise can be held against what longer surveys of it came to. On
-# this field it is kept; on a single field it may be off by a third either way, which is what ``80
-# % sure`` is for. The curve flattens: at some point another hour buys hardly anything. ``subsoil
-# run`` stops there by itself with ``--target-rmse``, ``--min-gain`` or ``--minutes``.
+# The soil is known here, so the promise can be held against what longer surveys of it came to.
+# This field was picked because it keeps the promise: on eleven that were tried, the error after 8
+# samples was 0.8 to 1.3 times what was expected, which is what ``80 % sure`` is for. The curve
+# flattens: at some point another hour buys hardly anything. ``subsoil run`` stops there by itself
+# with ``--target-rmse``, ``--min-gain`` or ``--minutes``.
 
 numbers = [8, 14, 20, 28]
 longer = [ss.simulate(truth.field, samples=number, truth=truth, seed=1) for number in numbers[1:]]
