@@ -133,6 +133,15 @@ def filling(at, z):
     return models(z)
 
 
+class Bent(Spherical):
+    def __post_init__(self):
+        pass
+
+
+def bent(at, z):
+    return [Bent(-1.0, 50.0, 900.0) for _ in z]
+
+
 class Maker:
     pass
 
@@ -185,6 +194,7 @@ def test_a_strategy_that_breaks_a_rule_is_told_which_and_what_was_seen(
     [
         ("fewer", "one variogram a layer", "1 variograms for 3 layers"),
         ("strict", "one variogram a layer", "in layer 2: ValueError: gaps"),
+        ("bent", "not negative", "layer 1 has a nugget of -1"),
         ("ordered", "order of the readings", "layer 1"),
         ("rooted", "origin of the places", "layer 1"),
         ("absolute", "four times", "not 3600"),

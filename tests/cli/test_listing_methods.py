@@ -34,6 +34,13 @@ def test_settings_are_listed_as_they_are_when_not_set(cli: Cli) -> None:
     assert "--strategy-setting NAME=VALUE" in shown
 
 
+def test_the_list_says_how_to_give_and_check_one_of_your_own(cli: Cli) -> None:
+    shown = cli("strategies").out
+    assert "--strategy mine:plan" in shown
+    assert "--estimator mine:estimate" in shown
+    assert "subsoil bench check mine:plan" in shown
+
+
 @pytest.mark.parametrize("kind", ["strategy", "estimator"])
 def test_every_setting_that_is_listed_can_be_set_to_what_it_is(
     cli: Cli, tmp_path: Path, outline: Path, kind: str

@@ -184,7 +184,7 @@ def decision_table(results: ResultTable) -> Table:
     )  # fmt: skip
     columns = ("strategy", *(f"n = {n}" for n in results.samples))
     title = "Processor time (s) from a report to the next stop, mean over each survey"
-    return Table("decision_time", title, columns, rows, (3,) * len(columns))
+    return Table("decision_time", title, columns, rows, (4,) * len(columns))
 
 
 def markdown(table: Table) -> str:

@@ -38,6 +38,11 @@ class _Library:
             return ""
 
     @property
+    def found(self) -> str:
+        """Version installed, or in words that there is none."""
+        return self.version or ("not installed" if self.extra else "missing")
+
+    @property
     def remedy(self) -> str:
         """What installs it."""
         return install(self.extra) if self.extra else f"pip install {self.name}"
@@ -66,13 +71,9 @@ def doctor(as_json: AsJson = False) -> None:
         tell({**machine, **found}, as_json)
     else:
         tell(machine, as_json)
-        rows = [
-            (each.name, each.version, "")
-            if each.version
-            else (each.name, "not installed" if each.extra else "missing", each.remedy)
-            for each in libraries
-        ]
-        tell_table("Libraries", ("library", "version", "remedy"), rows)
+        tell_table("Libraries", ("library", "version"), [(each.name, each.found) for each in libraries])
+        lacking = [(each.name, each.remedy) for each in libraries if not each.version]
+        tell_table("What installs the others", ("library", "command"), lacking)
     if missing:
         raise typer.Exit(1)
 

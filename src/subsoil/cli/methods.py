@@ -13,6 +13,11 @@ from subsoil.registry import Registry
 from subsoil.strategies import STRATEGIES
 from subsoil.variogram import ESTIMATORS
 
+_OWN = (
+    "One of your own is given as module:attribute, such as --strategy mine:plan for plan(view) or "
+    "--estimator mine:estimate for estimate(at, z) in mine.py of this folder; its parameters are "
+    "settings. Try on it first what holds of these: subsoil bench check mine:plan"
+)
 _ROLE = re.compile(r"^An? :\w+:`[^`]*`: ")
 _REGISTRIES: dict[str, Registry[Callable[..., Any]]] = {
     "strategy": Registry("strategy", "subsoil.strategies", STRATEGIES),
@@ -47,6 +52,8 @@ def strategies(as_json: AsJson = False) -> None:
         print()
         say(f"For --{kind}; each setting with --{kind}-setting NAME=VALUE:")
         tell({name: method.lines for name, method in methods.items()}, as_json)
+    print()
+    say(_OWN)
 
 
 def _as_json(methods: Mapping[str, _Method]) -> dict[str, object]:

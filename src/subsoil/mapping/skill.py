@@ -52,5 +52,5 @@ def no_better_than_mean(
         if score is not None and score.skill[0] <= 0:
             yield (
                 f"{name}: kriging does not beat the field's mean (leave-one-out skill "
-                f"{score.skill[0]:.2f}); what the map shows there beyond the mean is not reliable."
+                f"{score.skill[0]:z.2f}); what the map shows there beyond the mean is not reliable."
             )

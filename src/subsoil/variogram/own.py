@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from subsoil.arrays import Floats
 from subsoil.errors import ParameterError, SubsoilError, brief
-from subsoil.variogram.empirical import empirical_layers
+from subsoil.variogram.empirical import EmpiricalVariogram, empirical_layers
 from subsoil.variogram.fitting import Fit
 from subsoil.variogram.models import Bounded
 from subsoil.variogram.nested import Nested
@@ -58,7 +58,7 @@ class Checked:
             )
         bins = empirical_layers(at, z)
         return tuple(
-            each if isinstance(each, Fit) else Fit(self._model(k, each), curve, False, self.name)
+            self._fit(k, each, curve)
             for k, (each, curve) in enumerate(zip(found, bins, strict=True))
         )
 
@@ -71,11 +71,12 @@ class Checked:
                 return f" in layer {k}"
         return ""
 
-    def _model(self, layer: int, answer: object) -> Bounded | Nested:
-        if not isinstance(answer, Bounded | Nested):
+    def _fit(self, layer: int, answer: object, bins: EmpiricalVariogram) -> Fit:
+        model = answer.variogram if isinstance(answer, Fit) else answer
+        if not isinstance(model, Bounded | Nested):
             raise ParameterError(
-                f"it gave {brief(repr(answer))} for layer {layer + 1}, which is no variogram",
+                f"it gave {brief(repr(model))} for layer {layer + 1}, which is no variogram",
                 where=f"estimator {brief(self.name)}",
                 remedy="let it give models such as Spherical(nugget, range, psill)",
             )
-        return answer
+        return answer if isinstance(answer, Fit) else Fit(model, bins, False, self.name)

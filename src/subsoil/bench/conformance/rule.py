@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from subsoil.errors import SubsoilError, printable
+from subsoil.errors import SubsoilError, brief, printable
 from subsoil.registry import NOBODY, Allowed
 
 
@@ -87,6 +87,11 @@ def verdict(rule: Rule, subject: Subject) -> Verdict:
             seen, remedy = rule.seen(subject, case), rule.remedy
         except SubsoilError as error:
             seen, remedy = error.what, error.remedy or rule.remedy
+        except Exception as error:  # whatever somebody's code brings about
+            seen, remedy = (
+                f"it ends in {type(error).__name__}: {brief(str(error), 200)}",
+                rule.remedy,
+            )
         if seen:
             return Verdict(rule.words, case, printable(seen), printable(remedy))
     return Verdict(rule.words)
