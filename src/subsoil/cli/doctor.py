@@ -71,7 +71,9 @@ def doctor(as_json: AsJson = False) -> None:
         tell({**machine, **found}, as_json)
     else:
         tell(machine, as_json)
-        tell_table("Libraries", ("library", "version"), [(each.name, each.found) for each in libraries])
+        tell_table(
+            "Libraries", ("library", "version"), [(each.name, each.found) for each in libraries]
+        )
         lacking = [(each.name, each.remedy) for each in libraries if not each.version]
         tell_table("What installs the others", ("library", "command"), lacking)
     if missing:
