@@ -17,6 +17,7 @@ import shapely
 
 from subsoil.datasets import RiseholmeSurvey, half_field, riseholme
 from subsoil.errors import DataUnavailableError, MissingExtraError
+from subsoil.findings import left_out
 from subsoil.io.read.readings import read_readings
 from subsoil.layers import Layers
 from subsoil.penetrometer import Profile
@@ -55,7 +56,7 @@ def test_the_whole_field_has_7_ha_and_2809_cells_of_5_m(survey: RiseholmeSurvey)
 @needs_data
 def test_177_pushes_at_18_depths_all_in_the_field(survey: RiseholmeSurvey) -> None:
     assert len(survey.readings) == 177
-    assert survey.readings.refused == ()
+    assert left_out(survey.readings.findings) == ()
     assert survey.field.contains(survey.readings.at).all()
     longest = max(survey.readings.profiles, key=lambda profile: profile.depth_m.size)
     np.testing.assert_allclose(longest.depth_m, np.arange(1, 19) * 0.025)

@@ -14,8 +14,8 @@ PACKAGE = Path(subsoil.__file__).parent
 
 FLOORS: dict[str, tuple[str, ...]] = {
     "1 values": (
-        "errors", "arrays", "optional", "notebook", "registry", "reports", "outcomes", "agent",
-        "penetrometer",
+        "errors", "arrays", "findings", "optional", "notebook", "registry", "reports", "outcomes",
+        "agent", "penetrometer",
         "layers", "land", "readings",
     ),
     "2 maths": ("variogram", "kriging", "mapping"),

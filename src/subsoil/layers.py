@@ -162,11 +162,12 @@ class Layers:
     ) -> Sample:
         """Mean of a profile over each layer.
 
-        A reading stands for the soil since the reading above it, the first one for the soil since
-        the surface, and weighs in a layer by how much of the layer that is. A layer is measured
-        when the readings reach its lower edge to within half their spacing; a rest below them
-        does not count. Where the force limit ended the push inside a layer, the rest of that
-        layer counts with the last reading and the mean is a lower bound.
+        A reading stands for the soil since its top, which is the reading above it as a rule, and
+        weighs in a layer by how much of the layer that is. A layer is measured when the readings
+        reach its lower edge to within half their spacing, a rest below them does not count, and
+        no more than half of it lies in gaps between them. Where the force limit ended the push
+        inside a layer, the rest of that layer counts with the last reading and the mean is a lower
+        bound.
 
         Parameters
         ----------
@@ -180,8 +181,11 @@ class Layers:
         depth, kpa = profile.depth_m, profile.kpa
         spacing = float(np.median(np.diff(depth))) if depth.size > 1 else 0.0
         end = depth[-1] if depth.size else 0.0
-        share = self._shares(depth)
-        reached = share.sum(axis=1) > _TOUCH_M
+        share = self._shares(profile)
+        covered = share.sum(axis=1)
+        reached = covered > _TOUCH_M
+        gaps = np.minimum(self.bottom_m, end) - self.top_m - covered
+        reached &= gaps <= (self.bottom_m - self.top_m) / 2 + _TOUCH_M
         through = reached & (end >= self.bottom_m - spacing / 2 - _TOUCH_M)
         bound = reached & ~through & (profile.ending == "force")
         share[bound, -1:] += (self.bottom_m - end)[bound, None]
@@ -192,10 +196,9 @@ class Layers:
         state[through], state[bound] = LayerState.MEASURED, LayerState.AT_LEAST
         return Sample((float(at[0]), float(at[1])), values, state, error_variance)
 
-    def _shares(self, depth: Floats) -> Floats:
-        """(m, k) metres of every layer that readings at k depths stand for."""
-        above = np.concatenate([[0.0], depth[:-1]])[: depth.size]
-        lower = np.minimum(self.bottom_m[:, None], depth)
-        upper = np.maximum(self.top_m[:, None], above)
+    def _shares(self, profile: Profile) -> Floats:
+        """(m, k) metres of every layer that k readings stand for."""
+        lower = np.minimum(self.bottom_m[:, None], profile.depth_m)
+        upper = np.maximum(self.top_m[:, None], profile.top_m)
         shares: Floats = np.maximum(lower - upper, 0.0)
         return shares

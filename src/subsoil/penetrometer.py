@@ -7,7 +7,7 @@ here assumes one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
@@ -125,21 +125,41 @@ class Profile:
     Attributes
     ----------
     depth_m
-        (k,) increasing depths in m, positive down. A reading stands for the soil since the
-        reading above it.
+        (k,) increasing depths in m, positive down, to which each reading stands for the soil.
     kpa
         (k,) cone index at each depth in kPa.
     ending
         What ended the push; after ``"force"`` the soil below is at least as hard as the last
         reading says at its own depth.
+    top_m
+        (k,) depths in m from which on each reading stands for the soil, where it is not since the
+        reading above it: nobody knows the soil between one reading and the top of the next.
+
+    Raises
+    ------
+    ReadingsError
+        If depths do not increase, tops lie above the reading above or not above their own depth,
+        or a number cannot be.
     """
 
     depth_m: Floats
     kpa: Floats
     ending: Ending = "stroke"
+    top_m: Floats = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
         _check_series(self.depth_m, self.kpa, "pressure", SLIGHT_KPA)
+        above = np.concatenate([[0.0], self.depth_m[:-1]])[: self.depth_m.size]
+        if not self.top_m.size:
+            object.__setattr__(self, "top_m", above)
+        elif (
+            self.top_m.shape != above.shape
+            or not ((self.top_m >= above) & (self.top_m <= self.depth_m)).all()
+        ):
+            raise ReadingsError(
+                "stretches of soil that readings stand for overlap", where="profile"
+            )
+        self.top_m.setflags(write=False)
 
 
 def reading_of(insertion: Insertion) -> Reading:
@@ -177,8 +197,11 @@ def profile_of(reading: Reading, cone: Cone) -> Profile:
     """
     if fault := faults(reading, cone):
         raise ReadingsError(fault, where="reading")
-    depth = np.array(reading.depth_m)
-    return Profile(depth[_new(depth)], _kpa(reading, cone)[_new(depth)], reading.ending)
+    depth, top = np.array(reading.depth_m), np.array(reading.top_m)
+    new = _new(depth)
+    return Profile(
+        depth[new], _kpa(reading, cone)[new], reading.ending, top[new] if top.size else top
+    )
 
 
 def flags_of(reading: Reading) -> tuple[str, ...]:
@@ -211,7 +234,18 @@ def faults(reading: Reading, cone: Cone) -> str:
         return f"depths are not all within {DEEPEST_M:g} m: they are in m, positive down"
     if depth.size and (depth < 0).all():
         return "all depths are above the ground: they are in m, positive down"
-    return _wrong_values(reading, tip)
+    return _wrong_tops(reading) or _wrong_values(reading, tip)
+
+
+def _wrong_tops(reading: Reading) -> str:
+    """Why the stretches of soil that values stand for cannot be; empty if they can."""
+    if not reading.top_m:
+        return ""
+    top, depth = np.array(reading.top_m), np.array(reading.depth_m)
+    above = np.concatenate([[0.0], depth[:-1]])
+    if top.shape != depth.shape or not ((top >= above) & (top <= depth)).all():
+        return "the stretches of soil that its values stand for overlap"
+    return ""
 
 
 def _wrong_values(reading: Reading, tip: Cone | Tip) -> str:

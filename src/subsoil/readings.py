@@ -9,28 +9,10 @@ from numpy.typing import ArrayLike
 
 from subsoil.arrays import Floats, Integers
 from subsoil.errors import ReadingsError
+from subsoil.findings import Finding, left_out
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Profile
-
-
-@dataclass(frozen=True)
-class Finding:
-    """Something about one row that its owner should know.
-
-    Attributes
-    ----------
-    row
-        Row of a table, its header being row 1, or record of another file, the first being 1.
-    message
-        What is wrong with it, in one line.
-    """
-
-    row: int
-    message: str
-
-    def __str__(self) -> str:
-        return f"row {self.row}: {self.message}"
 
 
 @dataclass(frozen=True)
@@ -48,14 +30,12 @@ class Readings:
         variograms are taken in proportion to.
     rows
         (n,) row or record number of each reading in its file, or its number from 1 on.
-    refused
-        What was left out and why, by row.
     crs
         Frame of ``at``; empty for a local frame.
     source
         Where they come from.
-    notes
-        What their owner should know of them as a whole, a sentence each.
+    findings
+        What their owner should know of them, and of what was left out.
     simulated
         Whether they are of a soil that was drawn.
     """
@@ -64,10 +44,9 @@ class Readings:
     profiles: tuple[Profile, ...]
     extent_m: float
     rows: Integers
-    refused: tuple[Finding, ...] = ()
     crs: str = ""
     source: str = ""
-    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     simulated: bool = False
 
     def __post_init__(self) -> None:
@@ -133,10 +112,11 @@ class Readings:
         return len(self.profiles)
 
     def __repr__(self) -> str:
-        left_out = f", {len(self.refused)} left out" if self.refused else ""
+        refused = left_out(self.findings)
+        without = f", {len(refused)} left out" if refused else ""
         deepest = max((p.depth_m[-1] for p in self.profiles if len(p.depth_m)), default=0.0)
         origin = f" of {self.source}" if self.source else ""
-        return f"<{len(self)} readings{origin}, down to {deepest:.2f} m{left_out}>"
+        return f"<{len(self)} readings{origin}, down to {deepest:.2f} m{without}>"
 
     def samples(self, layers: Layers) -> tuple[Sample, ...]:
         """Layer values of every reading."""

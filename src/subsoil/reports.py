@@ -104,6 +104,8 @@ class Reading(Plain):
         What is odd about it, in words such as ``"bounced"``.
     further
         What else was measured there; kept, not mapped.
+    top_m
+        Depths from which on values stand for the soil, where it is not since the one above.
     """
 
     depth_m: tuple[float, ...]
@@ -113,6 +115,7 @@ class Reading(Plain):
     ending: Ending = "stroke"
     flags: tuple[str, ...] = ()
     further: tuple[Quantity, ...] = ()
+    top_m: tuple[float, ...] = ()
 
 
 class Source(Plain):

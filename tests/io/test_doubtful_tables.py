@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsoil.errors import BoundaryError, ReadingsError
+from subsoil.findings import left_out, others
 from subsoil.io.read.boundary import read_field
 from subsoil.io.read.marks import check_marks
 from subsoil.io.read.missing import is_missing
@@ -177,13 +178,13 @@ def test_other_columns_are_left_alone_and_listed(table: Table, heading: str) -> 
     readings = read_readings(table(["kpa_5cm", heading], ["500", "x"], ["600", "y"]))
     assert len(readings) == 2
     assert readings.profiles[0].kpa.tolist() == [500.0]
-    assert f"columns left alone: {heading.lower()}" in readings.notes
+    assert f"walk.csv: columns left alone: {heading.lower()}" in others(readings.findings)
 
 
 def test_places_given_twice_are_said(tmp_path: Path) -> None:
     path = tmp_path / "walk.csv"
     path.write_text("lat,lon,easting,northing,kpa_5cm\n53.2,-0.5,1,2,500\n")
-    assert "columns left alone: easting, northing" in read_readings(path).notes
+    assert f"walk.csv: columns left alone: easting, northing" in others(read_readings(path).findings)
 
 
 # Missing codes
@@ -199,7 +200,7 @@ def test_a_missing_code_below_the_last_reading_was_not_reached(table: Table, cod
     three = ["kpa_5cm", "kpa_10cm", "kpa_15cm"]
     readings = read_readings(table(three, ["500", "900", code], ["600", code, code]))
     assert [profile.kpa.tolist() for profile in readings.profiles] == [[500.0, 900.0], [600.0]]
-    assert readings.refused == ()
+    assert left_out(readings.findings) == ()
 
 
 @pytest.mark.parametrize("code", CODES)
@@ -208,13 +209,15 @@ def test_a_missing_code_above_a_reading_refuses_the_row_and_names_the_depth(
 ) -> None:
     three = ["kpa_5cm", "kpa_10cm", "kpa_15cm"]
     readings = read_readings(table(three, ["500", code, "900"], ["600", "700", "800"]))
-    assert [str(f) for f in readings.refused] == ["row 2: nothing was read at 0.1 m, yet below it"]
+    assert [str(f) for f in left_out(readings.findings)] == [
+        "row 2: nothing was read at 0.1 m, yet below it"
+    ]
 
 
 @pytest.mark.parametrize("code", ["-999", "9999"])
 def test_a_number_taken_for_missing_is_said(table: Table, code: str) -> None:
     readings = read_readings(table(TWO, ["500", code], ["600", "700"]))
-    assert readings.notes == (f"{code} is taken for 'not read', in 1 numbers",)
+    assert others(readings.findings) == (f"{code} is taken for 'not read', in 1 numbers",)
 
 
 def test_a_strength_among_others_like_it_is_no_code(table: Table) -> None:
@@ -246,12 +249,14 @@ def test_a_typical_strength_that_no_soil_has_is_said(
     readings = read_readings(
         table(["kpa_5cm", "kpa_20cm", "kpa_40cm"], values, [*values[:2], "99"])
     )
-    assert any(re.search(words, note) for note in readings.notes), readings.notes
+    assert any(re.search(words, note) for note in others(readings.findings)), others(
+        readings.findings
+    )
 
 
 def test_tilled_topsoil_and_ordinary_soil_are_no_finding(table: Table) -> None:
-    assert read_readings(table(TWO, ["90", "150"], ["100", "180"])).notes == ()
-    assert read_readings(table(["kpa_5cm", "kpa_40cm"], ["400", "2500"])).notes == ()
+    assert others(read_readings(table(TWO, ["90", "150"], ["100", "180"])).findings) == ()
+    assert others(read_readings(table(["kpa_5cm", "kpa_40cm"], ["400", "2500"])).findings) == ()
 
 
 # Robots' logs and outlines in JSON

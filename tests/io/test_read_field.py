@@ -17,6 +17,7 @@ from pyproj import Proj
 from shapely.geometry import GeometryCollection, LineString, Point, Polygon, box, mapping
 
 from subsoil.errors import BoundaryError, MissingExtraError, ParameterError
+from subsoil.findings import others
 from subsoil.io.read.boundary import READERS, read_field
 from subsoil.land.crs import project, stretch
 from subsoil.land.field import Field
@@ -520,9 +521,9 @@ def test_a_field_drawn_in_stretched_metres_is_kept_in_its_utm_zone_and_says_so(
     assert field.crs == TRUTH.crs
     assert field.boundary.hausdorff_distance(TRUTH.boundary) < 0.01
     assert field.keep_outs[0].area == pytest.approx(1113, rel=0.01)
-    assert len(field.notes) == 1
-    assert f"metres of {frame} are" in field.notes[0]
-    assert "kept in EPSG:32630" in field.notes[0]
+    assert len(others(field.findings)) == 1
+    assert f"metres of {frame} are" in others(field.findings)[0]
+    assert "kept in EPSG:32630" in others(field.findings)[0]
 
 
 def test_a_stretched_frame_that_the_caller_names_is_no_measure_either(save: Save) -> None:
@@ -553,7 +554,7 @@ def test_a_national_grid_or_utm_zone_stays_as_it_is(
     east, north = Proj(frame)(*place)
     text = f"easting,northing\n{east},{north}\n{east + 90},{north}\n{east},{north + 90}\n"
     field = read_field(save("home.csv", text), crs=frame)
-    assert (field.crs, field.notes) == (frame, ())
+    assert (field.crs, others(field.findings)) == (frame, ())
 
 
 def test_a_place_that_a_frame_does_not_have_is_refused() -> None:
@@ -611,12 +612,12 @@ def test_points_and_lines_beside_an_outline_are_left_alone_and_named(save: Save,
     name, content, words = BESIDE[case]
     field = read_field(save(name, content))
     assert same_place(field, TRUTH)
-    assert field.notes == (f"{name}: no polygons, left alone: {words}",)
+    assert others(field.findings) == (f"{name}: no polygons, left alone: {words}",)
 
 
 def test_of_many_pins_the_first_are_named_and_the_others_counted(save: Save) -> None:
     pins = (feature(Point(1, 2), name="x" * 5000) for _ in range(1000))
-    (note,) = read_field(save("home.geojson", collection(feature(OUTLINE), *pins))).notes
+    (note,) = others(read_field(save("home.geojson", collection(feature(OUTLINE), *pins))).findings)
     assert note.endswith(" and 994 more")
     assert len(note) < 400
 
@@ -636,7 +637,7 @@ def test_what_is_beside_the_keep_outs_of_another_file_is_named_too(save: Save) -
     ponds = collection(feature(POND), feature(far), feature(Point(1, 2), name="well"))
     field = read_field(save("home.coords", COORDS), keep_outs=save("ponds.geojson", ponds))
     assert len(field.keep_outs) == 2
-    assert field.notes == (
+    assert others(field.findings) == (
         "ponds.geojson: no polygons, left alone: Point of feature 3 (well)",
         "ponds.geojson: 1 of 2 keep-outs do not touch the field",
     )
@@ -645,7 +646,7 @@ def test_what_is_beside_the_keep_outs_of_another_file_is_named_too(save: Save) -
 def test_notes_of_a_file_in_stretched_metres_say_all_that_is_to_know(save: Save) -> None:
     drawn = drawn_in("EPSG:3857", OUTLINE)
     drawn["features"].append(feature(Point(1, 2), name="gate"))
-    moved, left = read_field(save("home.geojson", drawn)).notes
+    moved, left = others(read_field(save("home.geojson", drawn)).findings)
     assert "kept in EPSG:32630" in moved
     assert "Point of feature 2 (gate)" in left
 
@@ -665,7 +666,7 @@ def test_layers_and_shapes_beside_the_outline_of_a_geopackage_are_named(tmp_path
         )  # fmt: skip
     field = read_field(path)
     assert same_place(field, TRUTH)
-    assert field.notes == (
+    assert others(field.findings) == (
         "home.gpkg: no polygons, left alone: Point of feature 1, LineString of feature 3, "
         "feature without geometry of feature 4",
         "home.gpkg: no polygons, left alone: layer pins, layer drains",

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon, box
 
 from subsoil.errors import BoundaryError, InputError, ParameterError, ReadingsError
+from subsoil.findings import left_out
 from subsoil.io.read.readings import READERS, read_readings
 from subsoil.land.crs import project
 from subsoil.land.field import Field
@@ -48,7 +49,7 @@ def save(tmp_path: Path) -> Save:
 
 
 def messages(readings: Readings) -> dict[int, str]:
-    return {finding.row: finding.message for finding in readings.refused}
+    return {finding.row: finding.seen for finding in left_out(readings.findings)}
 
 
 # Tables
@@ -61,7 +62,11 @@ def test_a_table_gives_places_in_the_frame_of_the_field_and_profiles_in_kpa(save
     assert readings.profiles[0].depth_m.tolist() == [0.025, 0.05, 0.075]
     assert readings.profiles[1].kpa.tolist() == [150.0, 250.0, 350.0]
     assert readings.rows.tolist() == [2, 3]
-    assert (readings.refused, readings.crs, readings.source) == ((), "EPSG:32630", str(path))
+    assert (left_out(readings.findings), readings.crs, readings.source) == (
+        (),
+        "EPSG:32630",
+        str(path),
+    )
     np.testing.assert_allclose(readings.layer_means(LAYERS), [[150.0, 200.0], [300.0, 350.0]])
     with pytest.raises(ValueError, match="read-only"):
         readings.at[0] = 0
@@ -185,7 +190,7 @@ def test_a_bad_row_is_refused_by_its_number_and_the_others_are_used(
     assert readings.rows.tolist() == [2, 5]
     assert list(messages(readings)) == [4]
     assert message in messages(readings)[4]
-    assert str(readings.refused[0]).startswith("row 4: ")
+    assert str(left_out(readings.findings)[0]).startswith("row 4: ")
 
 
 def test_every_row_is_used_or_refused_and_findings_stand_in_order(save: Save) -> None:
@@ -398,7 +403,7 @@ def test_what_is_written_as_a_table_is_read_back_unchanged(
         table.writerow(["lat", "lon", *(f"kpa_{5 * k + 5}cm" for k in range(4))])
         table.writerows([lat, lon, *kpa, *[""] * (4 - len(kpa))] for lat, lon, kpa in pushes)
     readings = read_readings(path, field=HOME)
-    assert readings.refused == ()
+    assert left_out(readings.findings) == ()
     assert [profile.kpa.tolist() for profile in readings.profiles] == [p[2] for p in pushes]
     np.testing.assert_allclose(
         HOME.to_lonlat(readings.at), [(lon, lat) for lat, lon, _ in pushes], atol=1e-9

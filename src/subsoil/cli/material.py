@@ -18,6 +18,7 @@ from subsoil.cli.options import (
     numbers,
 )
 from subsoil.errors import ParameterError
+from subsoil.findings import left_out
 from subsoil.io.read.readings import read_readings
 from subsoil.journal import read_events
 from subsoil.land.field import Field
@@ -110,7 +111,7 @@ class MaterialOptions:
 
 def _enough(material: Material, path: Path) -> Material:
     """Check that readings can be scored; returns them."""
-    number, refused = len(material.readings), material.readings.refused
+    number, refused = len(material.readings), left_out(material.readings.findings)
     if number < 3:
         left = f", {len(refused)} were left out" if refused else ""
         first = f" (first {refused[0]})" if refused else ""

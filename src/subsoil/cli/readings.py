@@ -12,6 +12,7 @@ from subsoil.cli.material import Material, MaterialOptions
 from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
 from subsoil.cli.parsing import grouped
 from subsoil.errors import ParameterError
+from subsoil.findings import left_out, others
 from subsoil.io.read.boundary import read_field
 from subsoil.io.write.rasters import write_geotiffs
 from subsoil.kriging import LeaveOneOut, block_out
@@ -52,7 +53,7 @@ def make_map(
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
     soil_map = krige(field, found, fits)
     scores = _scores(material, fits)
-    notes = (*found.notes, *soil_map.notes, *_unskilled(material, scores))
+    notes = (*others(found.findings), *soil_map.notes, *_unskilled(material, scores))
     about = {
         "readings": given.readings,
         "field": field.name,
@@ -124,7 +125,7 @@ def cv(
         {**row, "block_rmse_kpa": float(left.rmse[0]), "block_skill": float(left.skill[0])}
         for row, left in zip(_score_dicts(material, fits, scores), blocks, strict=True)
     ]
-    about = {**_about(material), "notes": (*found.notes, *_unskilled(material, scores))}
+    about = {**_about(material), "notes": (*others(found.findings), *_unskilled(material, scores))}
     title = f"Leave-one-out and {block:g} m blocks"
     _tell_scored({**about, "block_m": block}, title, material, rows, units, as_json)
 
@@ -151,12 +152,12 @@ def _about(material: Material) -> dict[str, object]:
     return {
         "samples": len(material.readings),
         "refused": _refused(material),
-        "notes": material.readings.notes,
+        "notes": others(material.readings.findings),
     }
 
 
 def _refused(material: Material) -> tuple[str, ...]:
-    return tuple(str(finding) for finding in material.readings.refused)
+    return tuple(str(finding) for finding in left_out(material.readings.findings))
 
 
 def _unskilled(material: Material, scores: list[LeaveOneOut]) -> Iterator[str]:

@@ -27,6 +27,7 @@ from subsoil.cli.options import (
 from subsoil.cli.output import AsJson, Shown, progress, resumable, tell
 from subsoil.cli.parsing import FIELD, ROBOT, grouped
 from subsoil.errors import JournalError, brief
+from subsoil.findings import others
 from subsoil.io.read.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
@@ -113,7 +114,7 @@ def init(
         "cells": len(field.cells),
         "cone_area_mm2": cone_area,
         "force_limit_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
-        "notes": field.notes,
+        "notes": others(field.findings),
     }
     tell(result, as_json, SYSTEMS[units])
 

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from subsoil.arrays import Bools, Floats
 from subsoil.errors import BoundaryError, ParameterError, brief
+from subsoil.findings import Finding
 from subsoil.land.crs import WGS84, check_metric, metres_frame, project, utm_crs
 from subsoil.land.outline import Area, check_extent, check_lonlat, check_outline, polygon
 
@@ -66,8 +67,8 @@ class Field:
         Side of a cell in m.
     name
         What people call it.
-    notes
-        What was done to bring it here, a sentence each, for whoever drew it.
+    findings
+        What was done to bring it here, and what of its file is not used, for whoever drew it.
 
     Raises
     ------
@@ -87,7 +88,7 @@ class Field:
     keep_outs: tuple[Area, ...] = ()
     cell_size: float = 5.0
     name: str = field(default="field", compare=False)
-    notes: tuple[str, ...] = field(default=(), compare=False)
+    findings: tuple[Finding, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.cell_size) and self.cell_size > 0):

@@ -6,6 +6,7 @@ from math import isfinite
 
 import numpy as np
 
+from subsoil.findings import Finding
 from subsoil.layers import Sample
 from subsoil.mapping.drift_choice import residuals
 from subsoil.penetrometer import faults, profile_of
@@ -33,7 +34,7 @@ def readings_of(survey: Survey) -> Readings:
         np.arange(1, len(kept) + 1),
         crs=survey.field.crs,
         source=survey.name,
-        notes=survey.notes,
+        findings=tuple(Finding(note) for note in survey.notes),
         simulated=survey.simulated,
     )
 

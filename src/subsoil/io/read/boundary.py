@@ -24,6 +24,7 @@ from pathlib import Path
 import shapely
 
 from subsoil.errors import BoundaryError, brief
+from subsoil.findings import Finding
 from subsoil.io.read.corners import read_coords, read_corners
 from subsoil.io.read.geofile import read_geofile
 from subsoil.io.read.geojson import read_geojson
@@ -72,7 +73,7 @@ def read_field(
     -------
     Field
         In the frame of the file if its metres are metres on the ground there, else in the UTM
-        zone of its centre; named after the file. Its notes say what was moved, and what of the
+        zone of its centre; named after the file. Its findings say what was moved, and what of the
         files is not used.
 
     Raises
@@ -89,13 +90,16 @@ def read_field(
     found = _read(path, crs)
     field = _field(found, cell_size, path.name)
     barred = _place(found.keep_outs, found.crs, field, path.name)
-    notes = (*field.notes, *found.notes, *_idle(barred, field, path.name))
+    findings = (*field.findings, *found.findings, *_idle(barred, field, path.name))
     if keep_outs is not None:
         file = Path(keep_outs)
         other = _read(file, crs)
         more = _place(other.outlines + other.keep_outs, other.crs, field, file.name)
-        barred, notes = barred + more, (*notes, *other.notes, *_idle(more, field, file.name))
-    return replace(field, keep_outs=barred, notes=notes) if barred or notes else field
+        barred, findings = (
+            barred + more,
+            (*findings, *other.findings, *_idle(more, field, file.name)),
+        )
+    return replace(field, keep_outs=barred, findings=findings) if barred or findings else field
 
 
 def _read(path: Path, crs: str | None) -> Outlines:
@@ -128,11 +132,8 @@ def _field(found: Outlines, cell_size: float, name: str) -> Field:
         _move(outline, field.crs, WGS84, name), cell_size=cell_size, name=name
     )
     off = 100 * stretch(field.crs, field.entrance)
-    note = (
-        f"{name}: metres of {brief(field.crs)} are {off:.2g} % off here, "
-        f"so it is kept in {moved.crs}"
-    )
-    return replace(moved, notes=(note,))
+    seen = f"metres of {brief(field.crs)} are {off:.2g} % off here, so it is kept in {moved.crs}"
+    return replace(moved, findings=(Finding(seen, file=name),))
 
 
 def _place(areas: tuple[Area, ...], crs: str, field: Field, file: str) -> tuple[Area, ...]:
@@ -148,10 +149,11 @@ def _place(areas: tuple[Area, ...], crs: str, field: Field, file: str) -> tuple[
     return areas
 
 
-def _idle(areas: tuple[Area, ...], field: Field, file: str) -> tuple[str, ...]:
-    """Note on keep-outs that keep nobody out of the field, if there are any."""
+def _idle(areas: tuple[Area, ...], field: Field, file: str) -> tuple[Finding, ...]:
+    """Keep-outs that keep nobody out of the field, if there are any."""
     idle = sum(not area.intersects(field.boundary) for area in areas)
-    return (f"{file}: {idle} of {len(areas)} keep-outs do not touch the field",) if idle else ()
+    seen = f"{idle} of {len(areas)} keep-outs do not touch the field"
+    return (Finding(seen, file=file),) if idle else ()
 
 
 def _move(area: Area, source: str, target: str, file: str) -> Area:

@@ -71,7 +71,7 @@ def read_geofile(path: Path, crs: str | None) -> Outlines:
     features = _features(layer.shapes, roles, path.name)
     found = outlines_of(features, frame(home, path.name), path.name)
     others = left_alone([f"layer {name}" for name in layer.others], path.name)
-    return replace(found, notes=(*found.notes, *others))
+    return replace(found, findings=(*found.findings, *others))
 
 
 def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:

@@ -14,7 +14,7 @@ import numpy as np
 
 from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief, listed
-from subsoil.io.read.records import KPA, depth_of
+from subsoil.io.read.recording import KPA, depth_of
 from subsoil.io.read.text import POSITION_COLUMNS
 
 _DEPTH = re.compile(

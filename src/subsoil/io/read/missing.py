@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from subsoil.io.read.records import Record
+from subsoil.findings import Finding
+from subsoil.io.read.recording import Record
 
 _LETTERS = {"na", "nan", "null", "none", "nil", "nd", "nodata", "no data", "missing", "not reached"}
 _SIGNS = {"n/a", "n.a.", "#n/a", "n.d.", "?", "*", ".", "-", "--", "---", "–", "—"}
@@ -28,8 +29,10 @@ def is_missing(text: str) -> bool:
     return not text or text in _LETTERS | _SIGNS
 
 
-def without_codes(records: Sequence[Record]) -> tuple[tuple[Record, ...], tuple[str, ...]]:
-    """Records with NaN in place of numbers that stand for none, and notes on what was replaced.
+def without_codes(
+    records: Sequence[Record], file: str
+) -> tuple[tuple[Record, ...], tuple[Finding, ...]]:
+    """Records with NaN in place of numbers that stand for none, and what was replaced.
 
     -999 and its kin are no strength. 9999 and its kin may be: they are codes only where they lie
     far beyond all other values of the file.
@@ -39,12 +42,13 @@ def without_codes(records: Sequence[Record]) -> tuple[tuple[Record, ...], tuple[
     hardest = others.max(initial=0.0)
     codes = [v for v in _NEVER if (values == v).any()]
     codes += [v for v in _RARELY if (values == v).any() and v > _FAR_BEYOND * hardest > 0]
-    notes = tuple(
-        f"{code:g} is taken for 'not read', in {(values == code).sum()} numbers" for code in codes
+    findings = tuple(
+        Finding(f"{code:g} is taken for 'not read', in {(values == code).sum()} numbers", file=file)
+        for code in codes
     )
     if not codes:
-        return tuple(records), notes
+        return tuple(records), findings
     cleaned = (
         replace(r, values=np.where(np.isin(r.values, codes), np.nan, r.values)) for r in records
     )
-    return tuple(cleaned), notes
+    return tuple(cleaned), findings

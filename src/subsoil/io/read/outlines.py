@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from subsoil.errors import BoundaryError, brief, listed
+from subsoil.findings import Finding
 from subsoil.land.crs import WGS84, named_crs
 from subsoil.land.outline import Area, check_outline
 
@@ -49,14 +50,14 @@ class Outlines:
         :data:`~subsoil.land.crs.WGS84`, a metric CRS, or empty for a local frame.
     outlines, keep_outs
         Valid areas that are not, and that are, marked as keep-outs.
-    notes
-        What of the file is not in them, a sentence each.
+    findings
+        What of the file is not in them.
     """
 
     crs: str
     outlines: tuple[Area, ...]
     keep_outs: tuple[Area, ...]
-    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
 
 def outlines_of(features: Iterable[Feature], crs: str, file: str) -> Outlines:
@@ -84,9 +85,9 @@ def outlines_of(features: Iterable[Feature], crs: str, file: str) -> Outlines:
     return Outlines(crs, tuple(outlines), tuple(keep_outs), left_alone(left, file))
 
 
-def left_alone(names: Sequence[str], file: str) -> tuple[str, ...]:
-    """Note on what of a file is not used, if anything is not."""
-    return (f"{file}: no polygons, left alone: {listed(names)}",) if names else ()
+def left_alone(names: Sequence[str], file: str) -> tuple[Finding, ...]:
+    """What of a file is not used, if anything is not."""
+    return (Finding(f"no polygons, left alone: {listed(names)}", file=file),) if names else ()
 
 
 def not_an_outline(kind: str, where: str) -> BoundaryError:

@@ -9,9 +9,9 @@ import shapely
 
 from subsoil.arrays import Floats, Integers
 from subsoil.errors import ReadingsError
+from subsoil.findings import Finding
 from subsoil.land.crs import WGS84, check_metric, looks_swapped, metres_frame, project, utm_crs
 from subsoil.land.field import Field
-from subsoil.readings import Finding
 
 _SPOT_M = 0.05
 
@@ -83,12 +83,16 @@ class Places:
             )
 
 
-def outside(rows: Integers, at: Floats, field: Field) -> list[Finding]:
+def outside(rows: Integers, at: Floats, field: Field, file: str) -> tuple[Finding, ...]:
     """Findings about readings, (n,) rows and (n, 2) m, that the field does not contain."""
-    return [
-        Finding(int(row), f"{_far(away)} outside the field" if away else "in a keep-out")
-        for row, away in zip(rows, _metres_away(at, field), strict=True)
+    away = [
+        f"{_far(away)} outside the field" if away else "in a keep-out"
+        for away in _metres_away(at, field)
     ]
+    return tuple(
+        Finding(seen, "left out", "left out", file, int(row))
+        for seen, row in zip(away, rows, strict=True)
+    )
 
 
 def elsewhere(places: Places, field: Field, at: Floats, crs: str | None) -> ReadingsError:

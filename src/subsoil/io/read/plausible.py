@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from subsoil.findings import Finding
 from subsoil.penetrometer import Profile
 
 _SOFTEST_KPA = 50.0
@@ -14,7 +15,7 @@ _HARD_KPA = 8000.0
 _TILLED_M = 0.2
 
 
-def strength_notes(profiles: Sequence[Profile]) -> tuple[str, ...]:
+def strength_doubts(profiles: Sequence[Profile], file: str) -> tuple[Finding, ...]:
     """Say if the typical strength of all readings together is none of soil.
 
     Freshly tilled topsoil may have 100 kPa; below it there is more.
@@ -23,18 +24,13 @@ def strength_notes(profiles: Sequence[Profile]) -> tuple[str, ...]:
     deep = max((profile.depth_m[-1] for profile in profiles), default=0.0) > _TILLED_M
     typical = float(np.median(kpa[kpa > 0])) if (kpa > 0).any() else _SOFT_KPA
     if typical < _SOFTEST_KPA:
-        return (
-            f"the typical reading is {typical:.3g} kPa, a small part of any soil's strength: "
-            "check the unit (MPa or psi under a heading of kPa?)",
-        )
+        seen = f"the typical reading is {typical:.3g} kPa, a small part of any soil's strength"
+        done = "check the unit (MPa or psi under a heading of kPa?)"
+        return (Finding(seen, done, "doubt", file),)
     if typical < _SOFT_KPA and deep:
-        return (
-            f"the typical reading is {typical:.3g} kPa, softer than almost any soil: "
-            "check the unit (psi under a heading of kPa?)",
-        )
+        seen = f"the typical reading is {typical:.3g} kPa, softer than almost any soil"
+        return (Finding(seen, "check the unit (psi under a heading of kPa?)", "doubt", file),)
     if typical > _HARD_KPA:
-        return (
-            f"the typical reading is {typical:.4g} kPa, harder than almost any soil: "
-            "check the unit (kPa under a heading of psi?)",
-        )
+        seen = f"the typical reading is {typical:.4g} kPa, harder than almost any soil"
+        return (Finding(seen, "check the unit (kPa under a heading of psi?)", "doubt", file),)
     return ()

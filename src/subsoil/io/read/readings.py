@@ -6,32 +6,32 @@ others are used: nothing is dropped in silence, and nothing is mended by guessin
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
+from subsoil.findings import Finding, left_out
+from subsoil.io.read.instruments import INSTRUMENTS, Reader
 from subsoil.io.read.missing import without_codes
 from subsoil.io.read.places import Places, elsewhere, outside
-from subsoil.io.read.plausible import strength_notes
-from subsoil.io.read.readings_csv import read_readings_csv
-from subsoil.io.read.records import Recording, kpa_per_unit
-from subsoil.io.read.robot_yaml import read_robot_yaml
-from subsoil.io.read.screening import screened
+from subsoil.io.read.plausible import strength_doubts
+from subsoil.io.read.recording import Recording, kpa_per_unit
+from subsoil.io.read.screening import Push, screened
+from subsoil.io.read.table import looks_like_table, read_table
 from subsoil.io.read.text import check_file
 from subsoil.land.field import Field
 from subsoil.penetrometer import Cone
-from subsoil.readings import Finding, Readings, extent_of
+from subsoil.readings import Readings, extent_of
 
-READERS: dict[str, Callable[[Path], Recording]] = {
-    ".csv": read_readings_csv,
-    ".yaml": read_robot_yaml,
-    ".yml": read_robot_yaml,
+READERS: dict[str, Reader] = {
+    **INSTRUMENTS,
+    "table": Reader("table of readings", looks_like_table, read_table),
 }
-"""Reader of each suffix. Another instrument needs no more than a function from a path to a
-:class:`~subsoil.io.read.records.Recording`, put here."""
+"""In the order in which they are asked whether a file is theirs."""
+_HEAD = 4096
 
 
 def read_readings(
@@ -41,25 +41,28 @@ def read_readings(
     crs: str | None = None,
     cone: Cone | None = None,
     units: str | None = None,
+    reader: str = "",
 ) -> Readings:
-    """Read readings from a robot's YAML or a CSV table.
+    """Read readings from an instrument's file or a table.
 
     Zeros, blanks and codes such as NA and -999 at the end of a profile mean that the depth was
-    not reached. One with readings below it makes the row unusable.
+    not reached. With readings below it, such a depth is left out, and the findings name it.
 
     Parameters
     ----------
     path
-        File, told apart by its suffix (:data:`READERS`).
+        File, told apart by its content (:data:`READERS`).
     field
-        Field they belong to: sets the frame, and what lies outside or in a keep-out is refused.
+        Field they belong to: sets the frame, and what lies outside or in a keep-out is left out.
         Without one, longitude and latitude go to the UTM zone of their median.
     crs
         Frame of easting and northing in the file, if not the field's.
     cone
-        Cone that was used, where the file holds force in N.
+        Cone that was used, where the file holds force.
     units
-        Unit of pressure (``"kpa"``, ``"mpa"``, ``"psi"``) or ``"n"``, where the file does not say.
+        Unit of pressure or force, where the file does not say.
+    reader
+        Name of one of :data:`READERS`, where the content does not tell.
 
     Raises
     ------
@@ -71,53 +74,68 @@ def read_readings(
     BoundaryError
         If the CRS is unknown or cannot be brought to the field's.
     """
-    path, of_field = Path(path), field.notes if field else ()
-    recording = _recording(path)
-    coded, codes = without_codes(recording.records)
-    recording = replace(recording, records=coded)
+    path = Path(path)
+    recording = _recording(path, reader)
+    records, codes = without_codes(recording.records, path.name)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
-    records, profiles, refused = screened(recording, factor)
-    if not records:
-        raise _none_usable(refused, path.name)
-    rows = np.array([record.row for record in records], dtype=np.int64)
-    places = Places(
-        np.array([record.x for record in records]),
-        np.array([record.y for record in records]),
-        recording.lonlat,
-        path.name,
-    )
-    at, home = places.metres(field, crs)
+    pushes, unfit = screened(records, factor, recording.frame, path.name)
+    findings = (*recording.findings, *codes, *unfit)
+    if not pushes:
+        raise _none_usable(left_out(findings), path.name)
+    rows = np.array([push.record.row for push in pushes], dtype=np.int64)
+    at, home = _places(pushes, recording, path.name).metres(field, crs or recording.crs or None)
     inside = np.ones(len(rows), dtype=bool)
     if field is not None:
-        inside = field.contains(at)
-        if 2 * inside.sum() < inside.size:
-            raise elsewhere(places, field, at, crs)
-        refused += outside(rows[~inside], at[~inside], field)
+        inside = _inside(at, field, _places(pushes, recording, path.name), crs)
+        findings += outside(rows[~inside], at[~inside], field, path.name)
+    findings += strength_doubts([push.profile for push in pushes], path.name)
     return Readings(
         at[inside],
-        tuple(profile for profile, kept in zip(profiles, inside, strict=True) if kept),
+        tuple(push.profile for push, kept in zip(pushes, inside, strict=True) if kept),
         extent_of(at[inside]) if field is None else field.extent_m,
         rows[inside],
-        tuple(sorted(refused, key=lambda finding: finding.row)),
         home,
         str(path),
-        (*of_field, *recording.notes, *codes, *strength_notes(profiles)),
+        (*(field.findings if field else ()), *sorted(findings, key=lambda f: f.row)),
     )
 
 
-def _recording(path: Path) -> Recording:
+def _recording(path: Path, reader: str) -> Recording:
     check_file(path, ReadingsError)
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise ReadingsError(
-            "nothing reads readings from files with this suffix",
-            where=path.name,
-            remedy=f"save it as one of {' '.join(READERS)}",
-        )
-    return reader(path)
+    if reader:
+        if reader not in READERS:
+            raise ReadingsError(
+                f"there is no reader {reader!r}",
+                where=path.name,
+                remedy=f"one of {', '.join(READERS)}",
+            )
+        return READERS[reader].read(path)
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    for each in READERS.values():
+        if each.sniff(head, path.name):
+            return each.read(path)
+    raise ReadingsError(
+        "nothing here reads it as readings",
+        where=path.name,
+        remedy=f"save it as CSV, or name one of the readers {', '.join(READERS)}",
+    )
 
 
-def _none_usable(refused: list[Finding], file: str) -> ReadingsError:
+def _places(pushes: Sequence[Push], recording: Recording, file: str) -> Places:
+    x = np.array([push.record.x for push in pushes])
+    y = np.array([push.record.y for push in pushes])
+    return Places(x, y, recording.frame == "lonlat", file)
+
+
+def _inside(at: Floats, field: Field, places: Places, crs: str | None) -> np.ndarray:
+    inside = field.contains(at)
+    if 2 * inside.sum() < inside.size:
+        raise elsewhere(places, field, at, crs)
+    return inside
+
+
+def _none_usable(refused: Sequence[Finding], file: str) -> ReadingsError:
     if not refused:
         return ReadingsError("it holds no readings", where=file, remedy="export it again")
     return ReadingsError(

@@ -1,47 +1,65 @@
-"""What makes a record usable: a place on Earth, and pressures without holes down to some depth."""
+"""What makes a record usable: a place on Earth, and pressures down to some depth."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
 import numpy as np
 
-from subsoil.io.read.records import HARDEST_KPA, Record, Recording
+from subsoil.arrays import Bools, Floats
+from subsoil.findings import Finding
+from subsoil.io.read.recording import HARDEST_KPA, Frame, Record
 from subsoil.penetrometer import Profile
-from subsoil.readings import Finding
+
+
+@dataclass(frozen=True)
+class Push:
+    """A record that can be used, and its profile in kPa."""
+
+    record: Record
+    profile: Profile
 
 
 def screened(
-    recording: Recording, kpa_per_unit: float
-) -> tuple[list[Record], list[Profile], list[Finding]]:
-    """Records that can be used, their profiles in kPa, and findings about all others.
+    records: Iterable[Record], kpa_per_unit: float, frame: Frame, file: str
+) -> tuple[tuple[Push, ...], tuple[Finding, ...]]:
+    """Records that can be used, and findings about the others, and about single depths.
 
     Zeros and blanks at the end of a record are depths that were not reached, and end its profile.
-    A blank above a reading, or a zero between two, is a hole where nobody knows the soil: the
-    record is refused. Zeros above the first reading are a loose surface. A record that repeats
-    the place and all values of an earlier one is refused too.
-
-    Returns
-    -------
-    records, profiles, refused
-        The first two side by side.
+    A blank above a reading, or a zero between two, is a gap in which nobody knows the soil. Zeros
+    above the first reading are a loose surface. A record that repeats the place and all values of
+    an earlier one is used, and named.
     """
-    records: list[Record] = []
-    profiles: list[Profile] = []
-    refused = list(recording.refused)
-    first_row: dict[tuple[float, float, bytes], int] = {}
-    for record in recording.records:
+    pushes: list[Push] = []
+    findings: list[Finding] = []
+    first_row: dict[tuple[float, float, str, bytes], int] = {}
+    for record in records:
         try:
-            if recording.lonlat:
+            if frame == "lonlat":
                 _check_degrees(record.x, record.y)
-            profile = _profile(record, kpa_per_unit)
-            row = first_row.setdefault((record.x, record.y, record.values.tobytes()), record.row)
-            if row != record.row:
-                raise ValueError(f"it repeats row {row}: same place, same values")
+            profile, gaps = _profile(record, kpa_per_unit)
         except ValueError as error:
-            refused.append(Finding(record.row, str(error)))
+            findings.append(Finding(str(error), "left out", "left out", file, record.row))
             continue
-        records.append(record)
-        profiles.append(profile)
-    return records, profiles, refused
+        findings += _missed(gaps, file, record.row)
+        content = record.x, record.y, record.number, record.values.tobytes()
+        row = first_row.setdefault(content, record.row)
+        if row != record.row:
+            seen = f"it repeats row {row}: same place, same values"
+            done = "kept as a push of its own; take it out if it is a copy"
+            findings.append(Finding(seen, done, "doubt", file, record.row))
+        pushes.append(Push(record, profile))
+    return tuple(pushes), tuple(findings)
+
+
+def _missed(depths: Floats, file: str, row: int) -> Iterator[Finding]:
+    """A finding about depths with nothing read above others with something, if there are any."""
+    if len(depths):
+        first = f"nothing was read at {depths[0]:g} m"
+        seen = f"{first} and {len(depths) - 1} other depths" if len(depths) > 1 else first
+        done = "that depth is left out" if len(depths) == 1 else "those depths are left out"
+        yield Finding(f"{seen}, yet below", done, "left out", file, row)
 
 
 def _check_degrees(longitude: float, latitude: float) -> None:
@@ -56,7 +74,8 @@ def _check_degrees(longitude: float, latitude: float) -> None:
     )
 
 
-def _profile(record: Record, kpa_per_unit: float) -> Profile:
+def _profile(record: Record, kpa_per_unit: float) -> tuple[Profile, Floats]:
+    """Profile of a record down to its last reading, and the depths in it that are not known."""
     depth_m, kpa = record.depth_m, record.values * kpa_per_unit
     wrong = np.flatnonzero((kpa < 0) | (kpa > HARDEST_KPA))
     if wrong.size:
@@ -68,8 +87,8 @@ def _profile(record: Record, kpa_per_unit: float) -> Profile:
     if not reached.size:
         raise ValueError("no depth was reached")
     end = reached[-1] + 1
-    hole = np.isnan(kpa[:end])
-    hole[reached[0] :] |= kpa[reached[0] : end] == 0
-    if hole.any():
-        raise ValueError(f"nothing was read at {depth_m[hole.argmax()]:g} m, yet below it")
-    return Profile(depth_m[:end], kpa[:end])
+    known: Bools = ~np.isnan(kpa[:end])
+    known[reached[0] :] &= kpa[reached[0] : end] > 0
+    tops = record.top_m if record.top_m.size else np.concatenate([[0.0], depth_m[:-1]])
+    profile = Profile(depth_m[:end][known], kpa[:end][known], top_m=tops[:end][known])
+    return profile, depth_m[:end][~known]

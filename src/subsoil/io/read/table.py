@@ -24,19 +24,27 @@ from pathlib import Path
 import numpy as np
 
 from subsoil.errors import ReadingsError, brief, listed
+from subsoil.findings import Finding
 from subsoil.io.read.headings import Columns, columns_of
 from subsoil.io.read.marks import check_marks
 from subsoil.io.read.missing import is_missing
-from subsoil.io.read.records import HARDEST_KPA, KPA, Record, Recording
+from subsoil.io.read.recording import (
+    HARDEST_KPA,
+    KPA,
+    CellError,
+    Frame,
+    Record,
+    Recording,
+    unusable,
+)
 from subsoil.io.read.text import number, read_text
-from subsoil.readings import Finding
 
 Row = tuple[int, list[str]]
 
 _DEGREES = 180.0
 
 
-def read_readings_csv(path: Path) -> Recording:
+def read_table(path: Path) -> Recording:
     """Read a table of readings; the header is row 1.
 
     Raises
@@ -52,14 +60,21 @@ def read_readings_csv(path: Path) -> Recording:
     _check_marks(body, columns, path.name)
     decimal = "." if delimiter == "," else _decimal(body, columns)
     records: list[Record] = []
-    refused: list[Finding] = []
+    findings: list[Finding] = []
+    if columns.others:
+        findings.append(Finding(f"columns left alone: {listed(columns.others)}", file=path.name))
     for row, cells in body:
         try:
             records.append(_record(row, cells, columns, decimal))
         except ValueError as error:
-            refused.append(Finding(row, str(error)))
-    left = (f"columns left alone: {listed(columns.others)}",) if columns.others else ()
-    return Recording(tuple(records), tuple(refused), columns.lonlat, columns.unit, left)
+            findings.append(unusable(error, path.name, row))
+    frame: Frame = "lonlat" if columns.lonlat else "metres"
+    return Recording(tuple(records), tuple(findings), frame, columns.unit)
+
+
+def looks_like_table(_head: bytes, name: str) -> bool:
+    """Whether a file is one, by its name: its heading is asked for later."""
+    return name.lower().endswith((".csv", ".txt", ".tsv"))
 
 
 def _table(text: str, delimiter: str, file: str) -> list[Row]:
@@ -108,7 +123,7 @@ def _record(row: int, cells: list[str], columns: Columns, decimal: str) -> Recor
         try:
             return number(cells[k], decimal)
         except ValueError as error:
-            raise ValueError(f"{error} (column {brief(columns.names[k])})") from None
+            raise CellError(str(error), brief(columns.names[k])) from None
 
     values = [math.nan if is_missing(cells[k]) else read(k) for k in columns.depths]
     return Record(row, read(columns.x), read(columns.y), columns.depth_m, np.array(values))

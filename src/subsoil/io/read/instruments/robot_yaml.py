@@ -20,14 +20,17 @@ import yaml
 
 from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief
+from subsoil.findings import Finding
 from subsoil.io.read.missing import is_missing
-from subsoil.io.read.records import Record, Recording, depth_of
+from subsoil.io.read.recording import Record, Recording, depth_of, unusable
 from subsoil.io.read.text import read_text
-from subsoil.readings import Finding
+
+NAME = "robot survey"
 
 _SafeLoader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """The fast one where there is one."""
 _PLAIN = re.compile(r"[-+]?(0|[1-9]\d{0,30})")
+_FIRST_KEY = re.compile(rb"(?:\s*#[^\n]*\n|\s)*(?:names|data|datum):")
 _CLOCK = re.compile(r"[^.:]*:.*")
 
 
@@ -64,7 +67,12 @@ _Loader.add_constructor("tag:yaml.org,2002:int", _whole)
 _Loader.add_constructor("tag:yaml.org,2002:float", _decimal)
 
 
-def read_robot_yaml(path: Path) -> Recording:
+def sniff(head: bytes, name: str) -> bool:
+    """Whether a file is one, by its first bytes and its name."""
+    return name.lower().endswith((".yaml", ".yml")) or bool(_FIRST_KEY.match(head))
+
+
+def read(path: Path) -> Recording:
     """Read a robot's log; records count from 1.
 
     Raises
@@ -79,13 +87,13 @@ def read_robot_yaml(path: Path) -> Recording:
     if not isinstance(entries, list):
         raise ReadingsError("it has no list 'data'", where=path.name, remedy="export it again")
     records: list[Record] = []
-    refused: list[Finding] = []
+    findings: list[Finding] = []
     for row, entry in enumerate(entries, 1):
         try:
             records.append(_record(row, entry, depth_m))
         except ValueError as error:
-            refused.append(Finding(row, str(error)))
-    return Recording(tuple(records), tuple(refused), lonlat=True, unit="kpa")
+            findings.append(unusable(error, path.name, row))
+    return Recording(tuple(records), tuple(findings), "lonlat", "kpa", instrument=NAME)
 
 
 def _yaml(text: str, file: str) -> dict[str, Any]:
