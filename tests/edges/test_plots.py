@@ -23,21 +23,22 @@ from subsoil.errors import MissingExtraError, ParameterError, ReadingsError
 from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.soilmap import SoilMap
+from subsoil.penetrometer import SMALL_CONE
 from subsoil.plots import (
     depth_slices,
+    draw_readings,
     draw_survey,
     learning_curves,
     profiles,
-    readings_figures,
     std_dev,
-    survey_figures,
     variograms,
 )
-from subsoil.plots.album import way
+from subsoil.plots.saving import save_all
 from subsoil.plots.sheet import blank, sheet
+from subsoil.plots.subject import way
 from subsoil.report import Progress
 from subsoil.reports import Refused
-from subsoil.survey import Survey, apply, opened
+from subsoil.survey import Stop, Survey, apply, opened, opening
 from subsoil.survey.events import Configured, Opened
 from subsoil.variogram import BoundedLinear, Fit, LeastSquares, Spherical, Variogram
 
@@ -66,6 +67,14 @@ def layered(
         for at, values, state in zip(FIELD.cells[::10].tolist(), kpa, states, strict=False)
     )
     return SoilMap(FIELD, LAYERS, models, samples)
+
+
+def surveyed(soil_map: SoilMap, refused: tuple[int, ...] = ()) -> Survey:
+    """Survey with the samples of a map, and with stones at some cells."""
+    begun = opened(opening(soil_map.field, soil_map.layers, SMALL_CONE))
+    stone = Refused(agent="robot", at=(1, 1), reason="stone", metres=5, seconds=50, tries=3)
+    stops = tuple(Stop(f"stone {cell}", "robot", cell, refusal=stone) for cell in refused)
+    return replace(begun, soil_map=soil_map, stops=stops)
 
 
 def panels(figure: Figure, number: int) -> list[Axes]:
@@ -180,7 +189,7 @@ def test_the_way_goes_from_the_start_through_all_samples_in_order(survey: Survey
     places = way(survey)
     assert places[0].tolist() == list(survey.settings.start)
     np.testing.assert_array_equal(places[1:], survey.soil_map.at)
-    figure = depth_slices(survey.soil_map, way=places)
+    figure = depth_slices(survey)
     for axes in panels(figure, 8):
         assert any(points(line) == places.tolist() for line in axes.lines)
     assert {"way between samples", "start"} <= names(figure)
@@ -190,7 +199,7 @@ def test_keep_outs_holes_and_refused_stops_are_drawn(survey: Survey) -> None:
     ring = [(20, 10), (30, 10), (30, 20), (20, 20)]
     field = replace(FIELD, keep_outs=(Field.from_metres(ring).boundary,))
     soil_map = SoilMap(field, Layers(), survey.soil_map.variograms, survey.soil_map.samples)
-    figure = depth_slices(soil_map, refused=field.cells[[3, 7]])
+    figure = depth_slices(surveyed(soil_map, refused=(3, 7)))
     for axes in panels(figure, 8):
         assert len(axes.patches) == 1
         assert axes.patches[0].get_hatch()
@@ -266,9 +275,7 @@ def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
         for k, at in enumerate(field.cells[::40].tolist())
     )
     soil_map = SoilMap(field, bands, (Spherical(1.0, 50.0, 9.0),) * layers, samples)
-    figure = depth_slices(
-        soil_map, way=soil_map.at, refused=field.cells[[5]], caption="a caption " * 8
-    )
+    figure = depth_slices(surveyed(soil_map, refused=(5,)), caption="a caption " * 8)
     assert_legible(figure)
     assert not scale_bar(figure).get_window_extent().overlaps(figure.legends[0].get_window_extent())
     for axes in panels(figure, layers):
@@ -457,7 +464,7 @@ def test_profiles_variograms_and_learning_curves_are_legible(
 
 
 def test_figures_of_readings_are_png_files(survey: Survey, fits: Fits, tmp_path: Path) -> None:
-    paths = readings_figures(survey.soil_map, fits, tmp_path)
+    paths = save_all(draw_readings(survey.soil_map, fits), tmp_path, "png")
     assert [path.name for path in paths] == [
         "depth_slices.png",
         "std_dev.png",
@@ -470,9 +477,9 @@ def test_figures_of_readings_are_png_files(survey: Survey, fits: Fits, tmp_path:
 
 
 def test_figures_of_a_survey_have_learning_curves_only_with_a_history(
-    survey: Survey, history: History, fits: Fits, tmp_path: Path
+    survey: Survey, history: History, fits: Fits
 ) -> None:
-    assert [path.stem for path in survey_figures(survey, (), fits, tmp_path)] == [
+    assert list(draw_survey(survey, (), fits)) == [
         "depth_slices",
         "std_dev",
         "variograms",

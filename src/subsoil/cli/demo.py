@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from subsoil.cli.figures import FigureFormat
 from subsoil.cli.inspect import summary, tell_survey
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
@@ -73,6 +74,7 @@ def demo(
     estimator: EstimatorName = DEFAULT_ESTIMATOR,
     seed: Seed = 0,
     overwrite: Overwrite = False,
+    figures: FigureFormat = "png",
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
@@ -96,8 +98,9 @@ def demo(
     rasters = write_geotiffs(survey.soil_map, out)
     _, digest = last_event(path)
     report = write_report(
-        survey, history, fits, out, fingerprint=fingerprint(digest), units=SYSTEMS[units]
-    )
+        survey, history, fits, out,
+        fingerprint=fingerprint(digest), units=SYSTEMS[units], figures=figures,
+    )  # fmt: skip
     result = {
         **summary(survey),
         "rmse_kpa": history[-1].rmse,
