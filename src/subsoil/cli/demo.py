@@ -31,6 +31,7 @@ from subsoil.mapping.scores import rmse
 from subsoil.optional import FIGURES, GEOTIFF, REPORT, require
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
+from subsoil.report.wording import promise_kept
 from subsoil.simulation import Truth
 from subsoil.survey import (
     DEFAULT_ESTIMATOR,
@@ -43,8 +44,9 @@ from subsoil.survey import (
     opening,
 )
 from subsoil.survey.events import Configured, Event, Planned, Simulation
+from subsoil.survey.outlook import outlook
 from subsoil.survey.simulated import SIMULATED, simulation_of, work
-from subsoil.units import SYSTEMS
+from subsoil.units import METRIC, SYSTEMS
 from subsoil.worlds import demo_field, truth_of
 
 DemoField = Annotated[
@@ -104,6 +106,9 @@ def demo(
     result = {
         **summary(survey),
         "rmse_kpa": history[-1].rmse,
+        "outlook": promise_kept(
+            outlook(survey), history[-1].rmse, METRIC if as_json else SYSTEMS[units]
+        ),
         "survey": path,
         "maps": rasters,
         "report": report,
