@@ -6,14 +6,12 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -54,6 +52,7 @@ UTM = np.array([681_000.0, 5_900_000.0])
 
 History = tuple[Progress, ...]
 Fits = tuple[Fit, ...]
+Legible = Callable[[Figure], None]
 
 
 def layered(
@@ -262,7 +261,7 @@ def test_a_name_is_text_and_never_a_formula(survey: Survey) -> None:
 
 @pytest.mark.parametrize("shape", CORNERS)
 @pytest.mark.parametrize("layers", [1, 8])
-def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
+def test_no_two_texts_of_a_map_overlap(shape: str, layers: int, assert_legible: Legible) -> None:
     field = Field.from_metres(np.array(CORNERS[shape]) + UTM, crs="EPSG:32630", name=shape)
     bands = Layers(tuple(0.05 * k for k in range(layers + 1)))
     rng = np.random.default_rng(2)
@@ -282,33 +281,6 @@ def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
         (title,) = [text for text in axes.findobj(Text) if text.get_text() in bands.names]
         above = title.get_window_extent().y0 - axes.bbox.y1
         assert 0 < above < 0.1 * figure.dpi
-
-
-def assert_legible(figure: Figure) -> None:
-    """All texts lie on the sheet, and no two on each other."""
-    figure.draw_without_rendering()
-    found = [text for text in shown(figure) if text.get_text().strip()]
-    boxes = {text: text.get_window_extent() for text in found}
-    for text, box in boxes.items():
-        assert figure.bbox.x0 <= box.x0, text
-        assert box.x1 <= figure.bbox.x1, text
-        assert figure.bbox.y0 <= box.y0, text
-        assert box.y1 <= figure.bbox.y1, text
-    for one, other in combinations(found, 2):
-        assert not boxes[one].overlaps(boxes[other]), (one, other)
-
-
-def shown(figure: Figure) -> list[Text]:
-    """Texts that are drawn: not those of axes that are off, nor labels of ticks out of sight."""
-    hidden: set[Artist] = set()
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            near = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
-            drawn = {axis.label, *(t.label1 for t in near), *(t.label2 for t in near)}
-            hidden |= set(axis.findobj(Text)) - (drawn if axes.axison else set())
-    texts = [text for text in figure.findobj(Text) if isinstance(text, Text)]
-    return [text for text in texts if text.get_visible() and text not in hidden]
 
 
 @given(st.integers(1, 24), st.floats(0.1, 10.0))
@@ -412,7 +384,7 @@ def test_variograms_show_the_circular_model_where_kriging_had_to_use_it() -> Non
     np.testing.assert_allclose(np.array(dashed)[:, 1] * 1000.0, circular.rise(lag))
 
 
-def test_pairs_of_close_bins_are_written_apart() -> None:
+def test_pairs_of_close_bins_are_written_apart(assert_legible: Legible) -> None:
     rng = np.random.default_rng(0)
     samples = tuple(
         Sample(tuple(at), rng.uniform(300, 2000, 8), np.zeros(8, np.int8))
@@ -455,7 +427,7 @@ def test_profiles_have_one_arrow_for_every_lower_bound_and_leave_it_out_of_the_m
 
 
 def test_profiles_variograms_and_learning_curves_are_legible(
-    survey: Survey, history: History, fits: Fits
+    survey: Survey, history: History, fits: Fits, assert_legible: Legible
 ) -> None:
     soil_map = survey.soil_map
     assert_legible(profiles(soil_map, caption="a caption"))

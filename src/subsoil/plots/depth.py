@@ -27,8 +27,8 @@ ROOT_LIMIT_KPA = 2000.0
 
 _SHEET = Sheet(1, 1, 4.7, 4.1, 0.25, 0.0, 0.75, 0.95, 0.65, 0.6)
 _LEAST = (1.9, 1.6)
-_LEGEND_WIDTH = 4.4
-"""Inches in which the legend is one line."""
+_LEGEND_WIDTH = 6.1
+"""Inches of a picture whose legend is one line."""
 
 
 def profiles(soil: Soil, *, caption: str = "", figure: Drawn | None = None) -> Drawn:
@@ -62,14 +62,16 @@ def profiles(soil: Soil, *, caption: str = "", figure: Drawn | None = None) -> D
     """
     found, room = subject(soil), room_of(figure)
     _measured(found.soil_map)
-    layout = _SHEET.filling(room, _LEAST)
-    columns = 4 if layout.width > _LEGEND_WIDTH else 2
-    if columns == 2:
-        layout = replace(_SHEET, strip=0.45).filling(room, _LEAST)
+    narrow = room is not None and room[0] < _LEGEND_WIDTH
+    layout = replace(_SHEET, strip=0.45 if narrow else 0.25).filling(room, _LEAST)
     drawn = blank(layout.size, "Resistance by depth at every sample", caption or found.cost, figure)
     axes = profiles_panel(found.soil_map, ax=layout.panel(drawn, 0))
     axes.legend(
-        fontsize=SMALL, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False
+        fontsize=SMALL,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=2 if narrow else 4,
+        frameon=False,
     )
     return drawn
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from subsoil.plots.sheet import Drawn
 
 
-_LEAST = (1.0, 0.6)
+_LEAST = (1.9, 0.6)
 _MARKS = 6
 
 

@@ -109,6 +109,7 @@ def foot_height(room: Room | None, marks: int) -> float:
 
 def draw_foot(figure: Canvas, sheet: Sheet, field: Field, panels: Sequence[Axes]) -> None:
     """Scale bar, north arrow, and one legend for the marks of all axes."""
+    west, _, east, _ = frame(field)
     width, height = sheet.size
     legend = sheet.bottom - _SCALE[1]
     base = sheet.spare + legend
@@ -124,22 +125,21 @@ def draw_foot(figure: Canvas, sheet: Sheet, field: Field, panels: Sequence[Axes]
         fontsize=SMALL, frameon=False,
         handletextpad=0.5, columnspacing=1.4, handlelength=1.6,
     )  # fmt: skip
-    _draw_scale(place(figure, sheet.left, base, *_SCALE), sheet, field)
+    room = (min(_SCALE[0], width - sheet.left), _SCALE[1])
+    _draw_scale(place(figure, sheet.left, base, *room), room, (east - west) / sheet.width)
 
 
 def _columns_below(width: float) -> int:
     return max(1, int((width - 0.2) / _LONG_NAME))
 
 
-def _draw_scale(axes: Axes, sheet: Sheet, field: Field) -> None:
-    west, _, east, _ = frame(field)
-    inch = (east - west) / sheet.width
+def _draw_scale(axes: Axes, room: Room, inch: float) -> None:
+    """Scale bar and north arrow in a room, for maps with so many metres in an inch."""
     metres = round_length(1.3 * inch)
-    wide, high = _SCALE
-    axes.set_xlim(0, wide)
-    axes.set_ylim(0, high)
+    axes.set_xlim(0, room[0])
+    axes.set_ylim(0, room[1])
     axes.set_axis_off()
-    long, middle = metres / inch, high / 2
+    long, middle = metres / inch, room[1] / 2
     axes.plot([0.05, 0.05 + long], [middle - 0.08] * 2, color=INK, linewidth=2.5, gid="scale bar")
     axes.text(0.05 + long / 2, middle, f"{metres:g} m", size=SMALL, ha="center", va="bottom")
     axes.annotate(

@@ -9,7 +9,19 @@ import numpy as np
 
 from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
-from subsoil.plots.sheet import COLD, FAINT, SMALL, TEXT, WARM, Sheet, blank, head, room_of
+from subsoil.plots.sheet import (
+    COLD,
+    FAINT,
+    SMALL,
+    TEXT,
+    WARM,
+    Sheet,
+    blank,
+    head,
+    letters,
+    room_of,
+    width_of,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,13 +88,13 @@ def learning_curves(
     samples = np.array([now.samples for now in entries], dtype=float)
     if known:
         axes = layout.panel(drawn, 0)
-        head(axes, "Error of the map, all layers")
+        _head(axes, "Error of the map, all layers")
         _curve(axes, samples, rmse, WARM, "against the simulated truth (RMSE)", "o-")
         _curve(axes, samples, np.sqrt(kv), COLD, "as the map expects it (root mean KV)", "s--")
         axes.legend(fontsize=SMALL, frameon=False, loc="best")
         _label(axes, entries, "error (kPa)")
     axes = layout.panel(drawn, int(known))
-    head(axes, "Kriging variance, mean over cells and layers")
+    _head(axes, "Kriging variance, mean over cells and layers")
     _curve(axes, samples, kv / _THOUSAND, COLD, "mean KV", "s-")
     _label(axes, entries, "mean KV (10³ kPa²)")
     if not np.isfinite(kv).any():
@@ -162,7 +174,7 @@ def outlook_panel(history: Sequence[Progress], outlook: Outlook, *, ax: Axes) ->
         If there is nothing ahead: there are too few samples, or no cell is left.
     """
     _check(outlook)
-    head(ax, "Error of the map as it expects it (root mean KV)")
+    _head(ax, "Error of the map as it expects it (root mean KV)")
     now = outlook.samples
     past = np.array([(entry.samples, np.sqrt(entry.mean_kv)) for entry in history])
     ahead = np.array([(now, outlook.rmse), *((now + e.more, e.rmse) for e in outlook.ahead)])
@@ -179,6 +191,11 @@ def outlook_panel(history: Sequence[Progress], outlook: Outlook, *, ax: Axes) ->
     ax.set_axisbelow(True)
     ax.spines[["top", "right"]].set_visible(False)
     return ax
+
+
+def _head(axes: Axes, name: str) -> None:
+    """Name above a panel, in letters with which it does not reach the next one."""
+    head(axes, name, size=letters([name], TEXT, width_of(axes) + 0.2))
 
 
 def _check(outlook: Outlook) -> None:

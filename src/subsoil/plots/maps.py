@@ -33,6 +33,7 @@ from subsoil.plots.sheet import (
     place,
     room_of,
     sheet,
+    width_of,
 )
 from subsoil.plots.subject import Soil, Subject, subject
 
@@ -223,10 +224,9 @@ def _draw_layer(
 
 def _draw_cells(axes: Axes, field: Field, values: Floats, scale: _Scale) -> AxesImage:
     if not np.isfinite(values).any():
-        width = axes.bbox.width / axes.figure.dpi
         axes.text(
             0.5, 0.5, "\n".join(_UNKNOWN), transform=axes.transAxes, ha="center", va="center",
-            size=letters(_UNKNOWN, SMALL, width), color=FAINT, zorder=7,
+            size=letters(_UNKNOWN, SMALL, width_of(axes)), color=FAINT, zorder=7,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85},
         )  # fmt: skip
     limits = axes.get_xlim(), axes.get_ylim()

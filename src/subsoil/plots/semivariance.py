@@ -22,6 +22,7 @@ from subsoil.plots.sheet import (
     letters,
     room_of,
     sheet,
+    width_of,
 )
 from subsoil.plots.subject import Soil, subject
 from subsoil.variogram import Bounded, Fit, Nested, Variogram, name_of, semivariance
@@ -182,7 +183,7 @@ def _count_pairs(axes: Axes, lag: Floats, pairs: Integers) -> None:
 
     A number that has room in neither line is left out.
     """
-    metre = axes.bbox.width / axes.figure.dpi / axes.get_xlim()[1]
+    metre = width_of(axes) / axes.get_xlim()[1]
     ends = {0.995: -np.inf, 0.935: -np.inf}
     for x, number in zip(lag * metre, pairs, strict=True):
         half = 0.5 * _PAIRS * _LETTER_WIDTH * len(str(number))

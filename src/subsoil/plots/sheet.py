@@ -31,6 +31,7 @@ _WIDEST_PANEL = 6.0
 _NARROWEST = 6.4
 _PLEASING = 2.2
 _LEAST_LETTERS = 5.0
+_NOTHING = 1e-9
 _LETTER = 0.58
 """Mean width of a letter over its size."""
 
@@ -135,13 +136,16 @@ class Sheet:
             return self
         aspect = self.width / self.height
         options = [replace(self, columns=c, room=room) for c in range(1, self.number + 1)]
-        sizes = {each.columns: taken(each._free) for each in options}
-        best = max(options, key=lambda s: min(sizes[s.columns][0], aspect * sizes[s.columns][1]))
-        width, height = sizes[best.columns]
-        if width < least[0] or height < least[1]:
+        sized = [
+            replace(each, width=width, height=height)
+            for each in options
+            for width, height in [taken(each._free)]
+            if width > least[0] - _NOTHING and height > least[1] - _NOTHING
+        ]
+        if not sized:
             smallest = [replace(s, width=least[0], height=least[1], room=None) for s in options]
             raise too_small(room, [(s._needed, s.top + s.depth + s.bottom) for s in smallest])
-        return replace(best, width=width, height=height)
+        return max(sized, key=lambda s: min(s.width, aspect * s.height))
 
     @property
     def _free(self) -> Room:
@@ -249,6 +253,11 @@ def place(figure: Canvas, left: float, bottom: float, width: float, height: floa
 def head(axes: Axes, name: str, *, lift: float = 0.0, size: float = TEXT) -> None:
     """Write a panel's name above it, lifted by some points."""
     axes.set_title(name, size=size, color=INK, loc="left", y=1.0, pad=4.0 + lift)
+
+
+def width_of(axes: Axes) -> float:
+    """Width of axes in inches."""
+    return float(axes.bbox.width / axes.figure.dpi)
 
 
 def letters(words: Iterable[str], size: float, inches: float) -> float:
