@@ -242,3 +242,24 @@ def test_a_route_shows_the_way_the_samples_and_the_stops_still_planned(survey: S
     assert ax.get_aspect() == 1.0
     finished = ss.plots.route_panel(survey, ax=Figure().subplots())
     assert "planned" not in {str(line.get_label()) for line in finished.lines}
+
+
+def test_a_title_is_smaller_in_a_narrow_figure_before_it_is_cut(survey: Survey) -> None:
+    def titles(width: float) -> tuple[str, float]:
+        figure = ss.plots.route(survey, figure=Figure(figsize=(width, 6.0)))
+        return figure.texts[0].get_text(), float(figure.texts[0].get_fontsize())
+
+    wide, narrow, slit = titles(8.0), titles(2.6), titles(2.3)
+    assert wide[0] == narrow[0] == "Route of the survey, plot"
+    assert wide[1] > narrow[1] > slit[1]
+
+
+def test_a_figure_with_a_layout_of_its_own_can_be_drawn_into(
+    survey: Survey, assert_legible: Legible
+) -> None:
+    whole = Figure(figsize=(13, 7), layout="constrained")
+    left, right = np.ravel(np.asarray(whole.subfigures(1, 2)))
+    ss.plots.depth_slices(survey, figure=left)
+    ss.plots.profiles(survey, figure=right)
+    assert_legible(left)
+    assert_legible(right)

@@ -30,6 +30,8 @@ _WIDE, _HIGH = 10.6, 8.6
 _WIDEST_PANEL = 6.0
 _NARROWEST = 6.4
 _PLEASING = 2.2
+_LETTERS, _SMALLEST = 110, 0.65
+"""Letters of a point in an inch of a title, and the part of its size to which it may shrink."""
 _LEAST_LETTERS = 5.0
 _NOTHING = 1e-9
 _LETTER = 0.58
@@ -220,11 +222,13 @@ def blank(size: Room, title: str, caption: str, figure: Drawn | None = None) -> 
     drawn: Drawn = figure or load("matplotlib.figure", *FIGURES[1:]).Figure(
         figsize=size, facecolor="white"
     )
-    for text, down, points, colour in ((title, 0.14, TITLE, INK), (caption, 0.42, TEXT, FAINT)):
+    for text, down, most, colour in ((title, 0.14, TITLE, INK), (caption, 0.42, TEXT, FAINT)):
+        said = printable(text)
+        points = max(_SMALLEST * most, min(most, width * _LETTERS / max(1, len(said))))
         drawn.text(
             0.2 / width,
             1 - down / height,
-            textwrap.shorten(printable(text), int(width * 110 / points), placeholder=" ..."),
+            textwrap.shorten(said, int(width * _LETTERS / points), placeholder=" ..."),
             size=points,
             color=colour,
             va="top",
