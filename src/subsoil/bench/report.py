@@ -192,9 +192,7 @@ def _page(
         picture, words = _CAPTIONS[table.name]
         parts.append(f"## {table.title}\n")
         parts += [words + "\n"] if words else []
-        parts += (
-            [f"![{table.title}]({_linked(pictures[picture])})\n"] if picture in pictures else []
-        )
+        parts += [_image(table.title, pictures[picture])] if picture in pictures else []
         parts += [tables.markdown(table)] if table.rows else ["There is nothing to compare.\n"]
     if examples := [name for name in pictures if name[:7] == "example"]:
         entrant = _exemplary(found)
@@ -203,10 +201,10 @@ def _page(
             f"{entrant.strategy} with {entrant.estimator} on field "
             f"{min(found.results[entrant])}, {setting.samples[-1]} samples.\n"
         )
-        parts += [f"![{name}]({_linked(pictures[name])})\n" for name in examples]
+        parts += [_image(name, pictures[name]) for name in examples]
     return "\n".join(parts)
 
 
-def _linked(path: Path) -> str:
-    """Address of a figure on the page."""
-    return f"{path.parent.name}/{path.name}"
+def _image(name: str, path: Path) -> str:
+    """A figure on the page."""
+    return f"![{name}]({path.parent.name}/{path.name})\n"

@@ -52,8 +52,7 @@ def make_map(
     )
     known = covariate_of(covariate, column, field, given.crs)
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
-    soil_map = krige(field, found, fits)
-    scores = _scores(material, fits)
+    soil_map, scores = krige(field, found, fits), _scores(material, fits)
     notes = (*found.notes, *soil_map.notes, *_unskilled(material, scores))
     about = {
         "readings": given.readings,

@@ -98,17 +98,7 @@ def learning_curves(
     _curve(axes, samples, kv / _THOUSAND, COLD, "mean KV", "s-")
     _label(axes, entries, "mean KV (10³ kPa²)")
     if not np.isfinite(kv).any():
-        axes.set_yticks([])
-        axes.text(
-            0.5,
-            0.5,
-            "one sample alone\ntells no variance",
-            transform=axes.transAxes,
-            size=SMALL,
-            color=FAINT,
-            ha="center",
-            va="center",
-        )
+        _say_unknown(axes)
     return drawn
 
 
@@ -201,6 +191,14 @@ def _head(axes: Axes, name: str) -> None:
 def _check(outlook: Outlook) -> None:
     if not outlook.ahead:
         raise ReadingsError("there is nothing to foresee from so few samples", where="outlook")
+
+
+def _say_unknown(axes: Axes) -> None:
+    axes.set_yticks([])
+    axes.text(
+        0.5, 0.5, "one sample alone\ntells no variance", transform=axes.transAxes, size=SMALL,
+        color=FAINT, ha="center", va="center",
+    )  # fmt: skip
 
 
 def _curve(axes: Axes, x: Floats, y: Floats, colour: str, name: str, look: str) -> None:
