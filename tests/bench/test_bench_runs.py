@@ -82,7 +82,7 @@ def test_a_run_is_resumed_added_to_and_never_mixed(tmp_path: Path, bench: Bench)
 def test_a_report_has_every_table_and_figure(tmp_path: Path, bench: Bench) -> None:
     out = tmp_path / "out"
     bench(out, "--estimator", "paper-10,spherical", strategies="area-split,random")
-    assert run(["bench", "report", str(out)]) == 0
+    assert run(["bench", "report", str(out), "--figures", "svg"]) == 0
     text = (out / "report.md").read_text()
     figures = {path.stem for path in (out / "figures").iterdir()}
     assert figures == {
@@ -90,7 +90,7 @@ def test_a_report_has_every_table_and_figure(tmp_path: Path, bench: Bench) -> No
         "example_depth_slices", "example_std_dev", "example_variograms",
     }  # fmt: skip
     for name in figures:
-        assert f"(figures/{name}.png)" in text
+        assert f"(figures/{name}.svg)" in text
     names = {path.stem for path in (out / "tables").glob("*.csv")}
     assert names == {path.stem for path in (out / "tables").glob("*.tex")}
     assert names == {

@@ -34,6 +34,7 @@ from subsoil.bench.running import Outcome
 from subsoil.bench.task import entrants_of
 from subsoil.bench.truths import land_of
 from subsoil.cli.examples import epilog
+from subsoil.cli.figures import FigureFormat
 from subsoil.cli.options import allowed_by
 from subsoil.cli.output import AsJson, folder, progress, say, tell
 from subsoil.cli.parsing import COMPARISON, OUTPUT, WORK, Verb, Verbs, grouped, some_of
@@ -160,12 +161,13 @@ def run(
 @app.command(cls=Verb, epilog=epilog("bench report"))
 def report(
     benchmark: Annotated[Path, typer.Argument(help="Folder of a benchmark.", metavar="DIR")],
+    figures: FigureFormat = "png",
     as_json: AsJson = False,
 ) -> None:
     """Write tables, figures and report.md of a benchmark into its folder."""
     from subsoil.bench.report import write_report
 
-    tell(write_report(benchmark), as_json)
+    tell(write_report(benchmark, figures), as_json)
 
 
 @app.command(cls=Verb, epilog=epilog("bench check"))

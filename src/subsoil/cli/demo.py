@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from subsoil.cli.figures import FigureFormat
 from subsoil.cli.inspect import summary, tell_survey
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
@@ -30,6 +31,7 @@ from subsoil.mapping.scores import rmse
 from subsoil.optional import FIGURES, GEOTIFF, REPORT, require
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
+from subsoil.report.wording import promise_kept
 from subsoil.simulation import Truth
 from subsoil.survey import (
     DEFAULT_ESTIMATOR,
@@ -42,8 +44,9 @@ from subsoil.survey import (
     opening,
 )
 from subsoil.survey.events import Configured, Event, Planned, Simulation
+from subsoil.survey.outlook import outlook
 from subsoil.survey.simulated import SIMULATED, simulation_of, work
-from subsoil.units import SYSTEMS
+from subsoil.units import METRIC, SYSTEMS
 from subsoil.worlds import demo_field, truth_of
 
 DemoField = Annotated[
@@ -73,18 +76,13 @@ def demo(
     estimator: EstimatorName = DEFAULT_ESTIMATOR,
     seed: Seed = 0,
     overwrite: Overwrite = False,
+    figures: FigureFormat = "png",
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show a robot survey a field adaptively; leaves a survey file, maps, figures and a report."""
     require(GEOTIFF, FIGURES, REPORT)
-    path = folder(out) / _FILE
-    if path.exists() and not overwrite:
-        raise JournalError(
-            "it is there from an earlier demonstration",
-            where=str(path),
-            remedy="give --overwrite to replace it, or another --out",
-        )
+    path = _free(folder(out) / _FILE, overwrite)
     land, layers = _land(field), Layers()
     method = MethodOptions(strategy=strategy, estimator=estimator, seed=seed)
     settings = settings_of(land, method, limits)
@@ -96,16 +94,31 @@ def demo(
     rasters = write_geotiffs(survey.soil_map, out)
     _, digest = last_event(path)
     report = write_report(
-        survey, history, fits, out, fingerprint=fingerprint(digest), units=SYSTEMS[units]
-    )
+        survey, history, fits, out,
+        fingerprint=fingerprint(digest), units=SYSTEMS[units], figures=figures,
+    )  # fmt: skip
     result = {
         **summary(survey),
         "rmse_kpa": history[-1].rmse,
+        "outlook": promise_kept(
+            outlook(survey), history[-1].rmse, METRIC if as_json else SYSTEMS[units]
+        ),
         "survey": path,
         "maps": rasters,
         "report": report,
     }
     tell_survey(result, as_json, units)
+
+
+def _free(path: Path, overwrite: bool) -> Path:
+    """Path of a survey file that is not there, or may be replaced."""
+    if path.exists() and not overwrite:
+        raise JournalError(
+            "it is there from an earlier demonstration",
+            where=str(path),
+            remedy="give --overwrite to replace it, or another --out",
+        )
+    return path
 
 
 def _survey(

@@ -9,18 +9,26 @@ from typing import Annotated
 
 import typer
 
+from subsoil.cli.figures import FigureFormat
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import Allow, MethodOptions, SurveyFile, allowed_by, settings_of
-from subsoil.cli.output import AsJson, Shown, folder, progress, say, tell, tell_table, working
+from subsoil.cli.output import (
+    AsJson,
+    Shown,
+    folder,
+    progress,
+    say,
+    tell,
+    tell_table,
+    working,
+)
 from subsoil.cli.parsing import OUTPUT, grouped
 from subsoil.errors import ParameterError
-from subsoil.io.write.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
 from subsoil.land.field import Field
 from subsoil.optional import FIGURES, require
-from subsoil.plots import outlook_curve
-from subsoil.plots.album import DPI
+from subsoil.plots import outlook_curve, save
 from subsoil.report.wording import in_units
 from subsoil.survey import Survey, apply, fold, settled
 from subsoil.survey.events import Configured, Event, Opened
@@ -82,6 +90,7 @@ def status(
             rich_help_panel=OUTPUT,
         ),
     ] = None,
+    figures: FigureFormat = "png",
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
@@ -95,7 +104,7 @@ def status(
     notes = (*content.notes, *state.notes, *too_sure(state), *out_of_reach(state, prospects))
     result = {**summary(state), "notes": notes, "fingerprint": content.fingerprint}
     if out:
-        result["picture"] = _draw(events, prospects, folder(out) / "outlook.png")
+        result["picture"] = _draw(events, prospects, folder(out) / f"outlook.{figures}")
     if as_json:
         numbers = {
             "outlook": words,
@@ -195,10 +204,7 @@ def _next(survey: Survey) -> tuple[int, ...]:
 def _draw(events: Sequence[Event], prospects: Outlook, path: Path) -> Path:
     first, *later = events
     assert isinstance(first, Opened)
-    figure = outlook_curve(progress_of(first, later), prospects, caption=first.name)
-    with whole(path) as unfinished:
-        figure.savefig(unfinished, dpi=DPI)
-    return path
+    return save(outlook_curve(progress_of(first, later), prospects, caption=first.name), path)
 
 
 def _prospect(survey: Survey, entry: Prospect) -> dict[str, float]:

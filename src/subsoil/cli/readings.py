@@ -8,6 +8,7 @@ import numpy as np
 
 from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of
 from subsoil.cli.field import Block, Boundary, CellSize, OptionalBoundary
+from subsoil.cli.figures import FigureFormat
 from subsoil.cli.material import Material, MaterialOptions
 from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
 from subsoil.cli.parsing import grouped
@@ -20,7 +21,7 @@ from subsoil.mapping.fit import Fits, fit
 from subsoil.mapping.krige import krige
 from subsoil.mapping.skill import layer_scores, no_better_than_mean
 from subsoil.optional import FIGURES, GEOTIFF, require
-from subsoil.plots import readings_figures
+from subsoil.plots import draw_readings, save_all
 from subsoil.units import SYSTEMS, System, Units
 from subsoil.variogram import Estimator, Fit, LeastSquares, Pooled, name_of
 
@@ -34,6 +35,7 @@ def make_map(
     covariate: CovariateFile = None,
     column: Column = None,
     drift: Drift = "auto",
+    figures: FigureFormat = "png",
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
@@ -50,8 +52,7 @@ def make_map(
     )
     known = covariate_of(covariate, column, field, given.crs)
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
-    soil_map = krige(field, found, fits)
-    scores = _scores(material, fits)
+    soil_map, scores = krige(field, found, fits), _scores(material, fits)
     notes = (*found.notes, *soil_map.notes, *_unskilled(material, scores))
     about = {
         "readings": given.readings,
@@ -63,7 +64,7 @@ def make_map(
         "notes": tuple(dict.fromkeys(notes)),
         "drift": [material.layers.names[k] for k in fits.drift],
         "maps": write_geotiffs(soil_map, folder(out)),
-        "figures": readings_figures(soil_map, fits.fits, out),
+        "figures": save_all(draw_readings(soil_map, fits.fits), out, figures),
     }
     title = "Leave-one-out (skill 0: no better than the mean; calibration 1: honest)"
     _tell_scored(about, title, material, _score_dicts(material, fits, scores), units, as_json)
