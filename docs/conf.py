@@ -78,6 +78,7 @@ numpydoc_show_class_members = False
 sphinx_gallery_conf = {
     "examples_dirs": ["gallery"],
     "gallery_dirs": ["examples"],
+    "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("figures.drawn",),
     "ignore_repr_types": r"matplotlib\.figure",
     "reset_modules": (),
