@@ -112,7 +112,7 @@ def layer_skills(
             raise ParameterError(
                 f"{known.size} readings reached the layer",
                 where=f"layer {name}",
-                remedy="leave it out with --layers",
+                remedy="leave that layer out",
             )
         found.append(
             LayerSkill(
