@@ -79,13 +79,7 @@ def demo(
 ) -> None:
     """Show a robot survey a field adaptively; leaves a survey file, maps, figures and a report."""
     require(GEOTIFF, FIGURES, REPORT)
-    path = folder(out) / _FILE
-    if path.exists() and not overwrite:
-        raise JournalError(
-            "it is there from an earlier demonstration",
-            where=str(path),
-            remedy="give --overwrite to replace it, or another --out",
-        )
+    path = _file(out, overwrite)
     land, layers = _land(field), Layers()
     method = MethodOptions(strategy=strategy, estimator=estimator, seed=seed)
     settings = settings_of(land, method, limits)
@@ -107,6 +101,18 @@ def demo(
         "report": report,
     }
     tell_survey(result, as_json, units)
+
+
+def _file(out: Path, overwrite: bool) -> Path:
+    """Path of the survey file, which is not there or may be replaced."""
+    path = folder(out) / _FILE
+    if path.exists() and not overwrite:
+        raise JournalError(
+            "it is there from an earlier demonstration",
+            where=str(path),
+            remedy="give --overwrite to replace it, or another --out",
+        )
+    return path
 
 
 def _survey(

@@ -41,12 +41,8 @@ def make_map(
     field = read_field(boundary, crs=given.crs, cell_size=cell)
     material = given.read(field)
     found, chosen = material.readings, given.estimator_of(material)
-    check_memory(
-        len(found),
-        systems=material.systems(alike=isinstance(chosen, Pooled) and covariate is None),
-        cells=len(field.cells),
-        layers=len(material.layers),
-    )
+    alike = isinstance(chosen, Pooled) and covariate is None
+    material.check_memory(alike=alike, cells=len(field.cells))
     known = covariate_of(covariate, column, field, given.crs)
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
     soil_map = krige(field, found, fits)
@@ -109,7 +105,7 @@ def cv(
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     material = given.read(read_field(boundary, crs=given.crs) if boundary else None)
     found = material.readings
-    check_memory(len(found), systems=material.systems(alike=False), layers=len(material.layers))
+    material.check_memory(alike=False)
     fits = fit(found, material.layers, given.estimator_of(material))
     skills = _skills(material, fits)
     with progress(f"leaving {block:g} m blocks out", len(fits)) as advance:
