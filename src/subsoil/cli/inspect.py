@@ -62,16 +62,7 @@ def plan(
         state = apply(state, Configured(settings=settings_of(state.field, method, limits)))
     with working("planning"):
         state, _ = settled(state, allowed)
-    stops = _next(state)
-    way = length(state.access, state.position, state.access.at[list(stops)])
-    result: dict[str, object] = {
-        "survey": survey,
-        "strategy": state.settings.strategy,
-        "stops": len(stops),
-        "metres": way,
-        "minutes": state.settings.pace.minutes(way, len(stops)),
-        "reason": state.finished or state.plan.reason,
-    }
+    stops, result = _next(state), {"survey": survey, **_ahead(state)}
     if as_json:
         tell({**result, "plan": [_stop(state.field, cell) for cell in stops]}, as_json)
         return
@@ -194,6 +185,19 @@ def tell_survey(result: Mapping[str, object], as_json: bool, units: System = "me
     nothing = {"planned": 0, "refused": 0, "next": "none"}
     shown = {k: v for k, v in result.items() if as_json or v != nothing.get(k, nothing)}
     tell(shown, as_json, SYSTEMS[units])
+
+
+def _ahead(survey: Survey) -> dict[str, object]:
+    """What is still planned, and what it takes."""
+    stops = _next(survey)
+    way = length(survey.access, survey.position, survey.access.at[list(stops)])
+    return {
+        "strategy": survey.settings.strategy,
+        "stops": len(stops),
+        "metres": way,
+        "minutes": survey.settings.pace.minutes(way, len(stops)),
+        "reason": survey.finished or survey.plan.reason,
+    }
 
 
 def _next(survey: Survey) -> tuple[int, ...]:

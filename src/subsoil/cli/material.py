@@ -20,6 +20,7 @@ from subsoil.cli.options import (
 from subsoil.errors import ParameterError
 from subsoil.io.read.readings import read_readings
 from subsoil.journal import read_events
+from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import Cone
@@ -49,11 +50,29 @@ class Material:
         """(m, n) layer means in kPa, NaN where not measured."""
         return self.readings.layer_means(self.layers)
 
-    def systems(self, alike: bool) -> list[int]:
-        """Readings in each kriging system of a map: of each layer, or, alike, each set of them."""
+    def check_memory(self, *, alike: bool, cells: int = 0) -> None:
+        """Check that kriging and leaving out fit into the memory of this machine.
+
+        Parameters
+        ----------
+        alike
+            Whether layers that the same readings reached share a system, or each has its own.
+        cells
+            Cells of the map, if there is one.
+
+        Raises
+        ------
+        ReadingsError
+            If they do not.
+        """
         reached = np.isfinite(self.kpa)
         systems = np.unique(reached, axis=0) if alike else reached
-        return [int(readings) for readings in systems.sum(axis=1)]
+        check_memory(
+            len(self.readings),
+            systems=[int(readings) for readings in systems.sum(axis=1)],
+            cells=cells,
+            layers=len(self.layers),
+        )
 
 
 @dataclass(frozen=True)

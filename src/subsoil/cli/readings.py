@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from dataclasses import asdict
 
 import numpy as np
 
@@ -12,14 +13,12 @@ from subsoil.cli.figures import FigureFormat
 from subsoil.cli.material import Material, MaterialOptions
 from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
 from subsoil.cli.parsing import grouped
-from subsoil.errors import ParameterError
 from subsoil.io.read.boundary import read_field
 from subsoil.io.write.rasters import write_geotiffs
-from subsoil.kriging import LeaveOneOut, block_out
 from subsoil.kriging.memory import check_memory
 from subsoil.mapping.fit import Fits, fit
 from subsoil.mapping.krige import krige
-from subsoil.mapping.skill import layer_scores, no_better_than_mean
+from subsoil.mapping.skill import LayerSkill, block_skills, layer_skills, unskilled
 from subsoil.optional import FIGURES, GEOTIFF, require
 from subsoil.plots import draw_readings, save_all
 from subsoil.units import SYSTEMS, System, Units
@@ -44,16 +43,13 @@ def make_map(
     field = read_field(boundary, crs=given.crs, cell_size=cell)
     material = given.read(field)
     found, chosen = material.readings, given.estimator_of(material)
-    check_memory(
-        len(found),
-        systems=material.systems(alike=isinstance(chosen, Pooled) and covariate is None),
-        cells=len(field.cells),
-        layers=len(material.layers),
-    )
+    alike = isinstance(chosen, Pooled) and covariate is None
+    material.check_memory(alike=alike, cells=len(field.cells))
     known = covariate_of(covariate, column, field, given.crs)
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
-    soil_map, scores = krige(field, found, fits), _scores(material, fits)
-    notes = (*found.notes, *soil_map.notes, *_unskilled(material, scores))
+    soil_map = krige(field, found, fits)
+    skills = _skills(material, fits)
+    notes = (*found.notes, *soil_map.notes, *unskilled(skills))
     about = {
         "readings": given.readings,
         "field": field.name,
@@ -67,7 +63,7 @@ def make_map(
         "figures": save_all(draw_readings(soil_map, fits.fits), out, figures),
     }
     title = "Leave-one-out (skill 0: no better than the mean; calibration 1: honest)"
-    _tell_scored(about, title, material, _score_dicts(material, fits, scores), units, as_json)
+    _tell_scored(about, title, material, [asdict(each) for each in skills], units, as_json)
 
 
 @grouped
@@ -111,40 +107,19 @@ def cv(
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     material = given.read(read_field(boundary, crs=given.crs) if boundary else None)
     found = material.readings
-    check_memory(len(found), systems=material.systems(alike=False), layers=len(material.layers))
+    material.check_memory(alike=False)
     fits = fit(found, material.layers, given.estimator_of(material))
-    scores = _scores(material, fits)
-    blocks = []
+    skills = _skills(material, fits)
     with progress(f"leaving {block:g} m blocks out", len(fits)) as advance:
-        each = zip(material.layers.names, fits.variograms, material.kpa, strict=True)
-        for name, model, kpa in each:
-            known = np.isfinite(kpa)
-            blocks.append(block_out(model, found.at[known], kpa[known], block))
-            advance(len(blocks), name)
-    rows = [
-        {**row, "block_rmse_kpa": float(left.rmse[0]), "block_skill": float(left.skill[0])}
-        for row, left in zip(_score_dicts(material, fits, scores), blocks, strict=True)
-    ]
-    about = {**_about(material), "notes": (*found.notes, *_unskilled(material, scores))}
-    title = f"Leave-one-out and {block:g} m blocks"
-    _tell_scored({**about, "block_m": block}, title, material, rows, units, as_json)
+        blocks = block_skills(found, fits, block, advance)
+    rows = [{**asdict(one), **asdict(other)} for one, other in zip(skills, blocks, strict=True)]
+    about = {**_about(material), "notes": (*found.notes, *unskilled(skills)), "block_m": block}
+    _tell_scored(about, f"Leave-one-out and {block:g} m blocks", material, rows, units, as_json)
 
 
-def _scores(material: Material, fits: Fits) -> list[LeaveOneOut]:
-    scores, names = [], material.layers.names
-    at, models = material.readings.at, fits.variograms
-    found = layer_scores(at, material.kpa, models, fits.covariate, fits.drift)
+def _skills(material: Material, fits: Fits) -> tuple[LayerSkill, ...]:
     with progress("leaving readings out", len(fits)) as advance:
-        for k, (name, score) in enumerate(zip(names, found, strict=True)):
-            if score is None:
-                raise ParameterError(
-                    f"{np.isfinite(material.kpa[k]).sum()} readings reached the layer",
-                    where=f"layer {name}",
-                    remedy="leave it out with --layers",
-                )
-            scores.append(score)
-            advance(len(scores), name)
-    return scores
+        return layer_skills(material.readings, fits, advance)
 
 
 def _about(material: Material) -> dict[str, object]:
@@ -158,31 +133,6 @@ def _about(material: Material) -> dict[str, object]:
 
 def _refused(material: Material) -> tuple[str, ...]:
     return tuple(str(finding) for finding in material.readings.refused)
-
-
-def _unskilled(material: Material, scores: list[LeaveOneOut]) -> Iterator[str]:
-    return no_better_than_mean(material.layers.names, scores)
-
-
-def _score_dicts(
-    material: Material, fits: Fits, scores: list[LeaveOneOut]
-) -> list[dict[str, object]]:
-    return [
-        {
-            "layer": name,
-            "samples": int(np.isfinite(kpa).sum()),
-            "mean_kpa": float(np.nanmean(kpa)),
-            "sd_kpa": float(np.nanstd(kpa)),
-            "range_m": model.range,
-            "nugget_share": model.nugget / model.sill,
-            "loo_rmse_kpa": float(score.rmse[0]),
-            "loo_skill": float(score.skill[0]),
-            "loo_calibration": float(score.calibration[0]),
-        }
-        for name, kpa, model, score in zip(
-            material.layers.names, material.kpa, fits.variograms, scores, strict=True
-        )
-    ]
 
 
 def _tell(result: Mapping[str, object], units: System) -> None:
