@@ -71,7 +71,6 @@ autodoc_type_aliases = {
     "Report": "subsoil.reports.Report",
     "Strategy": "subsoil.strategies.Strategy",
 }
-autodoc_preserve_defaults = True
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 80
 numpydoc_show_class_members = False
@@ -79,6 +78,7 @@ numpydoc_show_class_members = False
 sphinx_gallery_conf = {
     "examples_dirs": ["gallery"],
     "gallery_dirs": ["examples"],
+    "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("figures.drawn",),
     "ignore_repr_types": r"matplotlib\.figure",
     "reset_modules": (),

@@ -33,6 +33,7 @@ def test_the_strategy_of_the_page_surveys_and_is_benchmarked(tmp_path: Path) -> 
         "--samples", "8",
     )  # fmt: skip
     subsoil(tmp_path, "verify", "s.gpkg")
+    subsoil(tmp_path, "bench", "check", NAME)
     subsoil(
         tmp_path, "bench", "run", "--protocol", "signal", "--fields", "1", "--seed", "1",
         "--strategies", f"random,{NAME}", "--estimator", "pmc", "--samples", "5",
@@ -47,6 +48,14 @@ def test_the_page_names_every_strategy() -> None:
     from subsoil.strategies import STRATEGIES
 
     assert set(STRATEGIES) <= set(re.findall(r"^\| `([\w-]+)` \|", PAGE.read_text(), re.MULTILINE))
+
+
+def test_the_page_names_every_rule_of_the_check() -> None:
+    from subsoil.bench.conformance import RULES
+
+    cells = re.findall(r"(?<=\| )[^|]+(?= \|)", PAGE.read_text())
+    for rules in RULES.values():
+        assert {rule.words.removeprefix("it ") for rule in rules} <= set(cells)
 
 
 def test_the_robot_of_the_page_surveys(tmp_path: Path) -> None:

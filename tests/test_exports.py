@@ -10,7 +10,7 @@ import pytest
 import subsoil
 
 EXPORTED = {
-    "Fits", "Plan", "Readings", "View", "fit", "krige", "plan", "read_field",
+    "Fits", "Plan", "Readings", "View", "fit", "krige", "plan", "plots", "read_field",
     "read_readings", "simulate",
     "LARGE_CONE", "SMALL_CONE", "BoundedLinear", "Circular", "Cone", "Exponential", "Field",
     "Gaussian", "Insertion", "LayerState", "Layers", "Matern32", "Matern52", "OrdinaryKriging",

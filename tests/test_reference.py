@@ -21,6 +21,13 @@ ROOT = Path(__file__).parents[1]
 COMMANDS = runpy.run_path(str(ROOT / "docs" / "_ext" / "commands.py"))
 VERBS: dict[str, Any] = COMMANDS["verbs"]()
 
+ASKS = re.compile(
+    r"""<(?:script|img|iframe|source)[^>]*\ssrc="(?:https?:)?//"""
+    r"""|<link[^>]*\shref="(?:https?:)?//"""
+    r"""|(?:url\(|@import )['"]?(?:https?:)?//"""
+)
+"""What makes a browser ask another machine: a script, picture or style sheet of its own."""
+
 
 @pytest.fixture(scope="module")
 def homes() -> dict[str, dict[str, str]]:
@@ -30,13 +37,11 @@ def homes() -> dict[str, dict[str, str]]:
     return found
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built(folder: Path) -> Path:
     """The site, built from a copy of its sources, without a warning."""
-    pytest.importorskip("sphinx")
-    folder = tmp_path_factory.mktemp("site")
     made = shutil.ignore_patterns("_build", "examples", "api", "commands", "rooms")
     shutil.copytree(ROOT / "docs", folder / "docs", ignore=made)
+    shutil.copy(ROOT / "README.md", folder)
     call = [sys.executable, "-m", "sphinx", "-b", "html", "-W", "--keep-going", "-q"]
     done = subprocess.run(
         [*call, str(folder / "docs"), str(folder / "html")],
@@ -88,32 +93,16 @@ def test_every_name_of_the_face_and_of_every_room_has_one_page(
 
 
 @pytest.mark.slow
-def test_the_site_has_a_page_for_each_name_and_verb(
-    site: Path, homes: dict[str, dict[str, str]]
+def test_the_site_is_built_without_a_warning_and_whole_and_asks_nobody(
+    tmp_path: Path, homes: dict[str, dict[str, str]]
 ) -> None:
-    words = (site / "genindex.html").read_text()
-    for home in {home for offered in homes.values() for home in offered.values()}:
-        assert f"#{home}" in words, home
+    site = built(tmp_path)
+    for name in {home for offered in homes.values() for home in offered.values()}:
+        assert f"#{name}" in (site / "genindex.html").read_text(), name
     for name in VERBS:
         assert (site / "reference" / "commands" / f"{name.replace(' ', '-')}.html").exists()
-
-
-@pytest.mark.slow
-def test_no_page_asks_another_machine_for_anything(site: Path) -> None:
-    asks = re.compile(
-        r"""<(?:script|img|iframe|source)[^>]*src="(?:https?:)?//|<link[^>]*href="(?:https?:)?//"""
-    )
-    for page in site.rglob("*.html"):
-        assert not asks.search(page.read_text()), page
-    for sheet in site.rglob("*.css"):
-        asked = re.findall(r"""(?:url\(|@import )['"]?((?:https?:)?//[^'")]*)""", sheet.read_text())
-        assert not asked, sheet
-
-
-@pytest.mark.slow
-def test_a_figure_of_an_example_is_shown_where_it_is_made(site: Path) -> None:
-    page = (site / "examples" / "plot_first_map.html").read_text()
-    shown = re.findall(
-        r'class="sphx-glr-single-img"[^>]*|<img [^>]*plot_first_map_00\d[^>]*>', page
-    )
-    assert len({re.search(r"map_00\d", tag)[0] for tag in shown if "map_00" in tag}) == 3  # type: ignore[index]
+    for example in (ROOT / "docs" / "gallery").glob("plot_*.py"):
+        page = (site / "examples" / f"{example.stem}.html").read_text()
+        assert re.search(rf"<img [^>]*sphx_glr_{example.stem}_001\.png", page), example
+    for file in (*site.rglob("*.html"), *site.rglob("*.css")):
+        assert not ASKS.search(file.read_text()), file

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Iterator
 from functools import cache
+from pathlib import Path
 from pydoc import locate
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from sphinx.addnodes import pending_xref
     from sphinx.application import Sphinx
 
+REPOSITORY = "https://github.com/subsoil/subsoil"
 _ARRAY = r"~?numpy\.ndarray\[tuple\[~?typing\.Any, \.\.\.\], ~?numpy\.dtype\[[^\]]*\]\]"
 
 
@@ -38,6 +41,30 @@ def resolved(app: Sphinx, _: Any, node: pending_xref, text: Element) -> Element 
         if field in getattr(locate(owner), "__annotations__", ()):
             return text
     return None
+
+
+def rewritten(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Let a page's links, which hold in the repository, lead to the same in the site.
+
+    The gallery has its pages under another name; what is outside of the documentation is in the
+    repository alone.
+    """
+    docs = Path(app.srcdir).resolve()
+    here = (docs / docname).parent
+
+    def moved(link: re.Match[str]) -> str:
+        path, anchor = link[1], link[2] or ""
+        file = (here / path).resolve()
+        if not file.exists() or path.startswith("/"):
+            return link[0]
+        if file.is_relative_to(docs / "gallery"):
+            page = docs / "examples" / ("index" if file.is_dir() else file.stem)
+            return f"]({os.path.relpath(page, here)})"
+        if file.is_relative_to(docs):
+            return link[0]
+        return f"]({REPOSITORY}/blob/main/{file.relative_to(docs.parent).as_posix()}{anchor})"
+
+    source[0] = re.sub(r"\]\(([^)#:\s]+)(#[^)\s]*)?\)", moved, source[0])
 
 
 def _around(node: pending_xref) -> Iterator[str]:
@@ -74,5 +101,6 @@ def _link(app: Sphinx, node: pending_xref, text: Element, home: str) -> Element:
 def setup(app: Sphinx) -> dict[str, bool]:
     """Tell Sphinx."""
     app.connect("missing-reference", resolved)
+    app.connect("source-read", rewritten)
     app.connect("autodoc-process-signature", shortened)
     return {"parallel_read_safe": True}

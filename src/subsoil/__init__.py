@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from subsoil import plots
     from subsoil.errors import SubsoilError
     from subsoil.io.read.boundary import read_field
     from subsoil.io.read.readings import read_readings
@@ -67,6 +68,8 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version
 
         return version("subsoil")
+    if name == "plots":
+        return import_module("subsoil.plots")
     for home, names in _HOMES.items():
         if name in names:
             return getattr(import_module(f"subsoil.{home}"), name)
@@ -109,6 +112,7 @@ __all__ = [
     "fit",
     "krige",
     "plan",
+    "plots",
     "profile",
     "read_field",
     "read_readings",

@@ -14,6 +14,9 @@ from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
 from subsoil.penetrometer import Profile
 
+_TOUCH_M = 1e-9
+"""Lengths that differ by less are equal."""
+
 
 @dataclass(frozen=True)
 class Readings:
@@ -127,6 +130,28 @@ class Readings:
         """(m, n) means in kPa of every layer at every reading, NaN where not measured through."""
         rows = [sample.measured_kpa for sample in self.samples(layers)]
         return np.array(rows, dtype=float).reshape(-1, len(layers)).T
+
+
+def finer_than_readings(readings: Readings, layers: Layers) -> tuple[Finding, ...]:
+    """Layers of which several are told by one and the same reading, if there are such.
+
+    Examples
+    --------
+    >>> two = Readings.of([(5, 5)], [0.2, 0.4], [[800, 900]])
+    >>> finer_than_readings(two, Layers((0.0, 0.2, 0.4)))
+    ()
+    >>> print(*finer_than_readings(two, Layers((0.0, 0.1, 0.2, 0.4))))
+    2 layers are finer than the readings, some 0.2 m apart; give layers as thick as that
+    """
+    steps = np.concatenate([[0.0], *(p.depth_m - p.top_m for p in readings.profiles)])
+    thick = steps[steps > 0.0]
+    step = float(np.median(thick)) if thick.size else 0.0
+    fine = int((layers.bottom_m - layers.top_m < step - _TOUCH_M).sum())
+    if not fine:
+        return ()
+    which = f"{fine} layers are" if fine > 1 else "a layer is"
+    seen = f"{which} finer than the readings, some {step:.2g} m apart"
+    return (Finding(seen, "give layers as thick as that"),)
 
 
 def extent_of(at: Floats) -> float:

@@ -11,6 +11,7 @@ from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.simulation import Truth, surrogate
 from subsoil.survey import Survey
+from subsoil.survey.events import Simulation
 from subsoil.survey.simulated import simulation_of, soil_drawn
 
 DEMO_OUTLINE = [
@@ -83,6 +84,37 @@ def soil_of(survey: Survey) -> Truth:
             remedy="go on with the version of subsoil and the data that began it",
         )
     return truth
+
+
+def soil_to_survey(survey: Survey, world: str | None, seed: int) -> tuple[Truth, Simulation]:
+    """The soil to survey, and its record: its own for a survey that was begun.
+
+    Parameters
+    ----------
+    survey
+        The survey.
+    world
+        Name of the soil. Default: that it was begun in, or one drawn from the seed.
+    seed
+        Of the soil, if nobody has begun.
+
+    Raises
+    ------
+    JournalError
+        If the survey was begun in another one, or on real land.
+    """
+    if not survey.agents:
+        world = world or "simulated"
+        truth = truth_of(world, survey.field, survey.layers, seed)
+        return truth, simulation_of(truth, world, seed)
+    truth, begun = soil_of(survey), survey.simulation[0]
+    if world not in (None, begun.world):
+        raise JournalError(
+            f"it was begun in the soil {brief(begun.world)!r} and does not go on in {world!r}",
+            where=survey.name,
+            remedy=f"give --world {brief(begun.world)}, or start another survey",
+        )
+    return truth, begun
 
 
 def _riseholme(field: Field, layers: Layers, seed: int) -> Truth:  # noqa: ARG001 - real, not drawn

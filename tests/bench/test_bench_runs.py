@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from subsoil.bench import (
+    Benchmark,
     Entrant,
     Failed,
     Result,
@@ -24,6 +25,7 @@ from subsoil.bench import (
     repeatable,
     scored,
 )
+from subsoil.bench.compare import compare
 from subsoil.bench.running import Outcome
 from subsoil.cli import run
 
@@ -79,10 +81,22 @@ def test_a_run_is_resumed_added_to_and_never_mixed(tmp_path: Path, bench: Bench)
 
 
 @pytest.mark.slow
+def test_a_benchmark_runs_from_python_and_goes_on(tmp_path: Path, setting: Setting) -> None:
+    entrants = (Entrant("random", "paper-10"), Entrant("area-split", "paper-10"))
+    told: list[Outcome] = []
+    first = compare(Benchmark(setting, 1, entrants[:1]), tmp_path, workers=1, told=told.append)
+    assert (first.before, first.now, len(told)) == (0, 1, 1)
+    both = compare(Benchmark(setting, 1, entrants), tmp_path, workers=1, told=told.append)
+    assert (both.before, both.now, both.failed, len(told)) == (1, 1, (), 2)
+    assert {row["strategy"] for row in lines(tmp_path)} == {"random", "area-split"}
+    assert both.results == tmp_path / "results.csv"
+
+
+@pytest.mark.slow
 def test_a_report_has_every_table_and_figure(tmp_path: Path, bench: Bench) -> None:
     out = tmp_path / "out"
     bench(out, "--estimator", "paper-10,spherical", strategies="area-split,random")
-    assert run(["bench", "report", str(out)]) == 0
+    assert run(["bench", "report", str(out), "--figures", "svg"]) == 0
     text = (out / "report.md").read_text()
     figures = {path.stem for path in (out / "figures").iterdir()}
     assert figures == {
@@ -90,7 +104,7 @@ def test_a_report_has_every_table_and_figure(tmp_path: Path, bench: Bench) -> No
         "example_depth_slices", "example_std_dev", "example_variograms",
     }  # fmt: skip
     for name in figures:
-        assert f"(figures/{name}.png)" in text
+        assert f"(figures/{name}.svg)" in text
     names = {path.stem for path in (out / "tables").glob("*.csv")}
     assert names == {path.stem for path in (out / "tables").glob("*.tex")}
     assert names == {

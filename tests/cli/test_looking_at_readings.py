@@ -91,3 +91,12 @@ def test_a_field_in_web_mercator_is_mapped_in_metres_on_the_ground(
     assert found["area_ha"] == pytest.approx(3.43, abs=0.02)
     assert found["samples"] == 16
     assert "kept in EPSG:32631" in found["notes"][0]
+
+
+def test_figures_of_a_map_come_in_the_format_that_is_asked_for(
+    cli: Cli, outline: Path, readings: Path
+) -> None:
+    made = cli(*arguments("map", readings, outline), "--figures", "pdf", "--json").json["figures"]
+    names = ["depth_slices.pdf", "std_dev.pdf", "variograms.pdf", "profiles.pdf"]
+    assert [Path(path).name for path in made] == names
+    assert all(Path(path).read_bytes().startswith(b"%PDF-") for path in made)

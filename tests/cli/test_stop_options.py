@@ -95,6 +95,8 @@ def test_status_draws_what_more_would_buy(cli: Cli, survey: Path, tmp_path: Path
     result = cli("status", survey, "--out", tmp_path / "new", "--json").json
     assert Path(result["picture"]).read_bytes().startswith(b"\x89PNG")
     assert Path(result["picture"]).parent == tmp_path / "new"
+    printed = cli("status", survey, "--out", tmp_path / "new", "--figures", "pdf", "--json").json
+    assert Path(printed["picture"]).name == "outlook.pdf"
 
 
 def test_status_warns_of_variograms_that_are_too_sure(cli: Cli, survey: Path) -> None:

@@ -134,7 +134,9 @@ def test_doctor_says_what_is_there(cli: Cli) -> None:
     outcome = cli("doctor", "--json")
     assert outcome.code == 0
     assert outcome.json["missing"] == []
-    assert cli("doctor").code == 0
+    shown = cli("doctor")
+    assert shown.code == 0
+    assert "remedy" not in shown.out
 
 
 def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
@@ -161,6 +163,22 @@ def test_the_demonstration_leaves_a_survey_that_verifies_and_a_report_of_the_sam
     assert "simulated; soil: simulated, seed 0" in report
     for name in ("mean_kpa.tif", "std_dev_kpa.tif"):
         assert (tmp_path / name).stat().st_size > 0
+
+
+def test_figures_of_a_demonstration_come_in_another_format_and_the_page_holds_pixels(
+    cli: Cli, tmp_path: Path
+) -> None:
+    made = cli("demo", "--out", tmp_path, "--samples", 3, "--figures", "svg", "--json").json
+    names = {"depth_slices", "std_dev", "variograms", "profiles", "learning_curves"}
+    assert {path.name for path in tmp_path.glob("*.[sp][vn]g")} == {f"{name}.svg" for name in names}
+    page = (tmp_path / "report.html").read_text()
+    assert page.count("data:image/png;base64,") == 5
+    assert "File: depth_slices.svg." in page
+    assert "80 % sure to stay below" in made["outlook"]
+    assert made["outlook"] in page
+    refused = cli("demo", "--out", tmp_path, "--figures", "gif")
+    assert refused.code == 2
+    assert "png" in refused.err
 
 
 def test_init_says_that_it_moved_a_field_whose_metres_are_not_ground_metres(

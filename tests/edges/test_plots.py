@@ -6,14 +6,12 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -23,21 +21,22 @@ from subsoil.errors import MissingExtraError, ParameterError, ReadingsError
 from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState, Sample
 from subsoil.mapping.soilmap import SoilMap
+from subsoil.penetrometer import SMALL_CONE
 from subsoil.plots import (
     depth_slices,
+    draw_readings,
     draw_survey,
     learning_curves,
     profiles,
-    readings_figures,
     std_dev,
-    survey_figures,
     variograms,
 )
-from subsoil.plots.album import way
+from subsoil.plots.saving import save_all
 from subsoil.plots.sheet import blank, sheet
+from subsoil.plots.subject import way
 from subsoil.report import Progress
 from subsoil.reports import Refused
-from subsoil.survey import Survey, apply, opened
+from subsoil.survey import Stop, Survey, apply, opened, opening
 from subsoil.survey.events import Configured, Opened
 from subsoil.variogram import BoundedLinear, Fit, LeastSquares, Spherical, Variogram
 
@@ -53,6 +52,7 @@ UTM = np.array([681_000.0, 5_900_000.0])
 
 History = tuple[Progress, ...]
 Fits = tuple[Fit, ...]
+Legible = Callable[[Figure], None]
 
 
 def layered(
@@ -66,6 +66,14 @@ def layered(
         for at, values, state in zip(FIELD.cells[::10].tolist(), kpa, states, strict=False)
     )
     return SoilMap(FIELD, LAYERS, models, samples)
+
+
+def surveyed(soil_map: SoilMap, refused: tuple[int, ...] = ()) -> Survey:
+    """Survey with the samples of a map, and with stones at some cells."""
+    begun = opened(opening(soil_map.field, soil_map.layers, SMALL_CONE))
+    stone = Refused(agent="robot", at=(1, 1), reason="stone", metres=5, seconds=50, tries=3)
+    stops = tuple(Stop(f"stone {cell}", "robot", cell, refusal=stone) for cell in refused)
+    return replace(begun, soil_map=soil_map, stops=stops)
 
 
 def panels(figure: Figure, number: int) -> list[Axes]:
@@ -180,7 +188,7 @@ def test_the_way_goes_from_the_start_through_all_samples_in_order(survey: Survey
     places = way(survey)
     assert places[0].tolist() == list(survey.settings.start)
     np.testing.assert_array_equal(places[1:], survey.soil_map.at)
-    figure = depth_slices(survey.soil_map, way=places)
+    figure = depth_slices(survey)
     for axes in panels(figure, 8):
         assert any(points(line) == places.tolist() for line in axes.lines)
     assert {"way between samples", "start"} <= names(figure)
@@ -190,7 +198,7 @@ def test_keep_outs_holes_and_refused_stops_are_drawn(survey: Survey) -> None:
     ring = [(20, 10), (30, 10), (30, 20), (20, 20)]
     field = replace(FIELD, keep_outs=(Field.from_metres(ring).boundary,))
     soil_map = SoilMap(field, Layers(), survey.soil_map.variograms, survey.soil_map.samples)
-    figure = depth_slices(soil_map, refused=field.cells[[3, 7]])
+    figure = depth_slices(surveyed(soil_map, refused=(3, 7)))
     for axes in panels(figure, 8):
         assert len(axes.patches) == 1
         assert axes.patches[0].get_hatch()
@@ -253,7 +261,7 @@ def test_a_name_is_text_and_never_a_formula(survey: Survey) -> None:
 
 @pytest.mark.parametrize("shape", CORNERS)
 @pytest.mark.parametrize("layers", [1, 8])
-def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
+def test_no_two_texts_of_a_map_overlap(shape: str, layers: int, assert_legible: Legible) -> None:
     field = Field.from_metres(np.array(CORNERS[shape]) + UTM, crs="EPSG:32630", name=shape)
     bands = Layers(tuple(0.05 * k for k in range(layers + 1)))
     rng = np.random.default_rng(2)
@@ -266,42 +274,13 @@ def test_no_two_texts_of_a_map_overlap(shape: str, layers: int) -> None:
         for k, at in enumerate(field.cells[::40].tolist())
     )
     soil_map = SoilMap(field, bands, (Spherical(1.0, 50.0, 9.0),) * layers, samples)
-    figure = depth_slices(
-        soil_map, way=soil_map.at, refused=field.cells[[5]], caption="a caption " * 8
-    )
+    figure = depth_slices(surveyed(soil_map, refused=(5,)), caption="a caption " * 8)
     assert_legible(figure)
     assert not scale_bar(figure).get_window_extent().overlaps(figure.legends[0].get_window_extent())
     for axes in panels(figure, layers):
         (title,) = [text for text in axes.findobj(Text) if text.get_text() in bands.names]
         above = title.get_window_extent().y0 - axes.bbox.y1
         assert 0 < above < 0.1 * figure.dpi
-
-
-def assert_legible(figure: Figure) -> None:
-    """All texts lie on the sheet, and no two on each other."""
-    figure.draw_without_rendering()
-    found = [text for text in shown(figure) if text.get_text().strip()]
-    boxes = {text: text.get_window_extent() for text in found}
-    for text, box in boxes.items():
-        assert figure.bbox.x0 <= box.x0, text
-        assert box.x1 <= figure.bbox.x1, text
-        assert figure.bbox.y0 <= box.y0, text
-        assert box.y1 <= figure.bbox.y1, text
-    for one, other in combinations(found, 2):
-        assert not boxes[one].overlaps(boxes[other]), (one, other)
-
-
-def shown(figure: Figure) -> list[Text]:
-    """Texts that are drawn: not those of axes that are off, nor labels of ticks out of sight."""
-    hidden: set[Artist] = set()
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            near = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
-            drawn = {axis.label, *(t.label1 for t in near), *(t.label2 for t in near)}
-            hidden |= set(axis.findobj(Text)) - (drawn if axes.axison else set())
-    texts = [text for text in figure.findobj(Text) if isinstance(text, Text)]
-    return [text for text in texts if text.get_visible() and text not in hidden]
 
 
 @given(st.integers(1, 24), st.floats(0.1, 10.0))
@@ -405,7 +384,7 @@ def test_variograms_show_the_circular_model_where_kriging_had_to_use_it() -> Non
     np.testing.assert_allclose(np.array(dashed)[:, 1] * 1000.0, circular.rise(lag))
 
 
-def test_pairs_of_close_bins_are_written_apart() -> None:
+def test_pairs_of_close_bins_are_written_apart(assert_legible: Legible) -> None:
     rng = np.random.default_rng(0)
     samples = tuple(
         Sample(tuple(at), rng.uniform(300, 2000, 8), np.zeros(8, np.int8))
@@ -448,7 +427,7 @@ def test_profiles_have_one_arrow_for_every_lower_bound_and_leave_it_out_of_the_m
 
 
 def test_profiles_variograms_and_learning_curves_are_legible(
-    survey: Survey, history: History, fits: Fits
+    survey: Survey, history: History, fits: Fits, assert_legible: Legible
 ) -> None:
     soil_map = survey.soil_map
     assert_legible(profiles(soil_map, caption="a caption"))
@@ -457,7 +436,7 @@ def test_profiles_variograms_and_learning_curves_are_legible(
 
 
 def test_figures_of_readings_are_png_files(survey: Survey, fits: Fits, tmp_path: Path) -> None:
-    paths = readings_figures(survey.soil_map, fits, tmp_path)
+    paths = save_all(draw_readings(survey.soil_map, fits), tmp_path, "png")
     assert [path.name for path in paths] == [
         "depth_slices.png",
         "std_dev.png",
@@ -470,9 +449,9 @@ def test_figures_of_readings_are_png_files(survey: Survey, fits: Fits, tmp_path:
 
 
 def test_figures_of_a_survey_have_learning_curves_only_with_a_history(
-    survey: Survey, history: History, fits: Fits, tmp_path: Path
+    survey: Survey, history: History, fits: Fits
 ) -> None:
-    assert [path.stem for path in survey_figures(survey, (), fits, tmp_path)] == [
+    assert list(draw_survey(survey, (), fits)) == [
         "depth_slices",
         "std_dev",
         "variograms",

@@ -20,6 +20,7 @@ from subsoil.reports import Refused
 from subsoil.strategies import Plan
 from subsoil.survey import Stop, Survey, apply, opened
 from subsoil.survey.events import Configured, Opened
+from subsoil.survey.outlook import SURE, outlook
 from subsoil.variogram import BoundedLinear, Fit
 
 History = tuple[Progress, ...]
@@ -112,6 +113,27 @@ def test_a_report_gives_the_numbers_of_the_survey(
         "State8 samples taken",
     ):
         assert words in text
+
+
+@pytest.mark.parametrize(("error", "side"), [(10.0, "below"), (1e4, "above")])
+def test_a_report_says_whether_the_error_is_what_the_map_promised(
+    survey: Survey, history: History, fits: Fits, error: float, side: str
+) -> None:
+    known = (*history[:-1], replace(history[-1], rmse=error))
+    promised = outlook(survey).error.rmse(SURE)
+    text = words_of(survey, known, fits)
+    assert "OutlookBy its own variograms, 8 samples in" in text
+    assert (
+        f"The error against the simulated truth is {error:.0f} kPa: {side} the {promised:.0f} kPa "
+        "that it was 80 % sure to stay below."
+    ) in text
+
+
+def test_a_report_without_a_truth_of_its_last_sample_judges_no_promise(
+    survey: Survey, history: History, fits: Fits
+) -> None:
+    assert "sure to stay below" not in words_of(survey, history[:-1], fits)
+    assert "sure to stay below" not in words_of(survey, (), fits)
 
 
 def test_a_report_has_a_row_for_every_layer_with_the_reason_of_its_variogram(

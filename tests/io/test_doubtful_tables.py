@@ -184,7 +184,7 @@ def test_other_columns_are_left_alone_and_listed(table: Table, heading: str) -> 
 def test_places_given_twice_are_said(tmp_path: Path) -> None:
     path = tmp_path / "walk.csv"
     path.write_text("lat,lon,easting,northing,kpa_5cm\n53.2,-0.5,1,2,500\n")
-    assert f"walk.csv: columns left alone: easting, northing" in others(read_readings(path).findings)
+    assert "walk.csv: columns left alone: easting, northing" in others(read_readings(path).findings)
 
 
 # Missing codes

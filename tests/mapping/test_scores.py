@@ -9,10 +9,14 @@ import numpy as np
 import pytest
 
 from subsoil.arrays import Floats
-from subsoil.errors import ReadingsError
+from subsoil.errors import ParameterError, ReadingsError
 from subsoil.kriging import block_out, condition, leave_one_out
 from subsoil.kriging.leave_one_out import skill
+from subsoil.layers import Layers
+from subsoil.mapping.fit import fit
 from subsoil.mapping.scores import rmse
+from subsoil.mapping.skill import block_skills, layer_skills, unskilled
+from subsoil.readings import Readings
 from subsoil.variogram import (
     MODELS,
     Bounded,
@@ -109,6 +113,33 @@ def test_skill_and_rmse_of_leave_one_out_are_by_layer() -> None:
 
 def test_a_pure_nugget_is_as_good_as_the_mean_and_no_better() -> None:
     assert leave_one_out(condition(PureNugget(9.0), AT, Z)).skill == pytest.approx(np.zeros(3))
+
+
+def test_layers_are_scored_from_readings_and_fits_with_what_they_are_like() -> None:
+    readings, layers = Readings.of(AT, [0.05, 0.15, 0.25], Z.T), Layers((0.0, 0.1, 0.2, 0.3))
+    fits, (_, kpa, _) = fit(readings, layers, "spherical"), readings.layer_means(layers)
+    done: list[str] = []
+    found = layer_skills(readings, fits, lambda _, name: done.append(name))
+    score = leave_one_out(condition(fits.variograms[1], AT, kpa[None]))
+    assert done == [each.layer for each in found] == list(fits.layers.names)
+    assert found[1].samples == 14
+    assert found[1].mean_kpa == pytest.approx(kpa.mean())
+    assert found[1].loo_rmse_kpa == pytest.approx(score.rmse[0])
+    assert found[1].loo_skill == pytest.approx(score.skill[0])
+    (left,) = block_out(fits.variograms[1], AT, kpa, 40.0).rmse
+    assert block_skills(readings, fits, 40.0)[1].block_rmse_kpa == pytest.approx(left)
+    assert [words.split(":")[0] for words in unskilled(found)] == [
+        each.layer for each in found if each.loo_skill <= 0
+    ]
+
+
+def test_a_layer_that_too_few_readings_reached_is_refused_by_name() -> None:
+    kpa = Z.T.copy()
+    kpa[2:, 2] = np.nan
+    readings = Readings.of(AT, [0.05, 0.15, 0.25], kpa)
+    fits = fit(readings, Layers((0.0, 0.1, 0.2, 0.3)), "spherical")
+    with pytest.raises(ParameterError, match=r"0\.20-0\.30 m: 2 readings reached the layer"):
+        layer_skills(readings, fits)
 
 
 def test_skill_is_one_for_no_error_zero_for_the_mean_and_below_for_worse() -> None:

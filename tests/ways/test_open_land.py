@@ -25,7 +25,7 @@ from subsoil.land.outline import Area
 from subsoil.layers import Layers, Sample
 from subsoil.mapping.soilmap import SoilMap
 from subsoil.penetrometer import SMALL_CONE
-from subsoil.plots.album import way as drawn_way
+from subsoil.plots.subject import way as drawn_way
 from subsoil.simulation import Machine, SimulatedRobot, draw_truth
 from subsoil.survey import apply, opened, opening, view
 from subsoil.survey.events import Configured, Planned

@@ -5,7 +5,7 @@
     report.md       the page, with the figures and tables
     results.csv     all results
     tables/         each table as .csv and .tex
-    figures/        each figure as .png
+    figures/        each figure as .png, .svg or .pdf
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from subsoil.bench.truths import truth_of
 from subsoil.errors import NotAllowedError, ParameterError
 from subsoil.io.write.whole import whole
 from subsoil.optional import FIGURES, require
-from subsoil.plots.album import DPI, draw_survey
+from subsoil.plots import draw_survey, save_all
+from subsoil.plots.saving import Format
 from subsoil.survey import fits_of
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ _MOST_HAND_FIELDS = 20
 """Fields that are surveyed by hand at most."""
 
 
-def write_report(folder: Path) -> dict[str, object]:
+def write_report(folder: Path, form: Format = "png") -> dict[str, object]:
     """Write everything of a report into the folder of a benchmark.
 
     One survey is made anew for its maps, and up to 20 fields are surveyed as if by hand.
@@ -62,7 +63,10 @@ def write_report(folder: Path) -> dict[str, object]:
     found = result_table(results)
     missing = len(benchmark.tasks) - len(results)
     hand = hand_surveys(benchmark.setting, min(benchmark.fields, _MOST_HAND_FIELDS))
-    pictures = _save(_pictures(found, benchmark.setting, hand), folder / "figures")
+    room = folder / "figures"
+    room.mkdir(exist_ok=True)
+    drawn = _pictures(found, benchmark.setting, hand)
+    pictures = dict(zip(drawn, save_all(drawn, room, form), strict=True))
     contents = _tables(found, hand)
     _write_tables(contents, folder / "tables")
     page = folder / "report.md"
@@ -134,15 +138,6 @@ def _exemplary(found: ResultTable) -> Entrant:
     return next(named, found.entrants[0])
 
 
-def _save(pictures: Mapping[str, Figure], folder: Path) -> dict[str, Path]:
-    folder.mkdir(exist_ok=True)
-    paths = {name: folder / f"{name}.png" for name in pictures}
-    for name, figure in pictures.items():
-        with whole(paths[name]) as unfinished:
-            figure.savefig(unfinished, dpi=DPI)
-    return paths
-
-
 def _write_tables(contents: tuple[tables.Table, ...], folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     for table in contents:
@@ -200,7 +195,7 @@ def _page(
         picture, words = _CAPTIONS[table.name]
         parts.append(f"## {table.title}\n")
         parts += [words + "\n"] if words else []
-        parts += [f"![{table.title}](figures/{picture}.png)\n"] if picture in pictures else []
+        parts += [_image(table.title, pictures[picture])] if picture in pictures else []
         parts += [tables.markdown(table)] if table.rows else ["There is nothing to compare.\n"]
     if examples := [name for name in pictures if name[:7] == "example"]:
         entrant = _exemplary(found)
@@ -209,5 +204,10 @@ def _page(
             f"{entrant.strategy} with {entrant.estimator} on field "
             f"{min(found.by_entrant[entrant])}, {setting.samples[-1]} samples.\n"
         )
-        parts += [f"![{name}](figures/{name}.png)\n" for name in examples]
+        parts += [_image(name, pictures[name]) for name in examples]
     return "\n".join(parts)
+
+
+def _image(name: str, path: Path) -> str:
+    """A figure on the page."""
+    return f"![{name}]({path.parent.name}/{path.name})\n"

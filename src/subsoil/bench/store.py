@@ -152,9 +152,9 @@ def write_results(folder: Path) -> Path:
     return path
 
 
-def repeatable(results_csv: Path) -> str:
+def repeatable(results_csv: str | Path) -> str:
     """What a ``results.csv`` says without the column that varies: equal for equal results."""
-    with results_csv.open(newline="", encoding="utf-8") as file:
+    with Path(results_csv).open(newline="", encoding="utf-8") as file:
         rows = list(csv.reader(file))
     same = [k for k, name in enumerate(rows[0]) if name != VARYING]
     text = StringIO()

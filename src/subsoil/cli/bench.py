@@ -2,42 +2,27 @@
 
 from __future__ import annotations
 
-import os
 import sys
-from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from math import isnan
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-import shapely
 import typer
 
-from subsoil.bench import (
-    Benchmark,
-    Failed,
-    Result,
-    Retried,
-    Setting,
-    Task,
-    conformance,
-    enter,
-    keep,
-    kept,
-    on_dask,
-    on_pool,
-    write_results,
-)
+from subsoil.bench import Benchmark, Failed, Retried, Setting, conformance
+from subsoil.bench.compare import Compared, compare, setting_on, waiting
 from subsoil.bench.conformance import Kind
 from subsoil.bench.conformance.rule import Verdict
 from subsoil.bench.running import Outcome
 from subsoil.bench.task import entrants_of
-from subsoil.bench.truths import land_of
 from subsoil.cli.examples import epilog
+from subsoil.cli.figures import FigureFormat
 from subsoil.cli.options import allowed_by
 from subsoil.cli.output import AsJson, folder, progress, say, tell
 from subsoil.cli.parsing import COMPARISON, OUTPUT, WORK, Verb, Verbs, grouped, some_of
 from subsoil.errors import ParameterError, SubsoilError, printable
+from subsoil.io.read.boundary import read_field
 from subsoil.strategies import STRATEGIES
 from subsoil.variogram import ESTIMATORS
 
@@ -109,7 +94,8 @@ class ComparisonOptions:
     @property
     def setting(self) -> Setting:
         """Setting of what was given; its field and real readings are there if it needs them."""
-        return _setting(self.protocol, self.seed, self.samples, self.boundary)
+        field = read_field(self.boundary) if self.boundary else None
+        return setting_on(field, self.protocol, self.seed, _numbers(self.samples))
 
 
 @app.command(cls=Verb, epilog=epilog("bench run"))
@@ -133,13 +119,9 @@ def run(
     setting = comparison.setting
     names = _names(comparison.strategies), _names(comparison.estimator or "")
     allowed_by(None, *names[0], *names[1])
-    entrants = entrants_of(*names)
-    benchmark = Benchmark(setting, comparison.fields, entrants)
-    enter(folder(out), benchmark)
-    waiting = [task for task in benchmark.tasks if not kept(out, task)]
-    count = workers or os.cpu_count() or 1
+    benchmark = Benchmark(setting, comparison.fields, entrants_of(*names))
     try:
-        failed = _work(out, waiting, _outcomes(waiting, dask, count))
+        done = _compared(benchmark, folder(out), workers, dask)
     except KeyboardInterrupt:
         raise SubsoilError(
             "stopped; finished tasks are kept", where=str(out), remedy="give the same command again"
@@ -147,25 +129,26 @@ def run(
     result = {
         "benchmark": out,
         "tasks": len(benchmark.tasks),
-        "done before": len(benchmark.tasks) - len(waiting),
-        "done now": len(waiting) - len(failed),
-        "failed": [f"{task.task.name}: {task.why}" for task in failed],
-        "results": write_results(out),
+        "done before": done.before,
+        "done now": done.now,
+        "failed": [f"{each.task.name}: {each.why}" for each in done.failed],
+        "results": done.results,
     }
     tell(result, as_json)
-    if failed:
+    if done.failed:
         raise typer.Exit(_CANNOT_GO_ON)
 
 
 @app.command(cls=Verb, epilog=epilog("bench report"))
 def report(
     benchmark: Annotated[Path, typer.Argument(help="Folder of a benchmark.", metavar="DIR")],
+    figures: FigureFormat = "png",
     as_json: AsJson = False,
 ) -> None:
     """Write tables, figures and report.md of a benchmark into its folder."""
     from subsoil.bench.report import write_report
 
-    tell(write_report(benchmark), as_json)
+    tell(write_report(benchmark, figures), as_json)
 
 
 @app.command(cls=Verb, epilog=epilog("bench check"))
@@ -211,53 +194,21 @@ class _Teller:
         say(f"BROKEN: {verdict.rule}: the same" if again else str(verdict))
 
 
-def _setting(protocol: str, seed: int, samples: str, boundary: Path | None) -> Setting:
-    """Setting of what was given; its field and real readings are there if it needs them."""
-    outline, crs = "", ""
-    if boundary is not None:
-        from subsoil.io.read.boundary import read_field
+def _compared(benchmark: Benchmark, out: Path, workers: int | None, dask: str | None) -> Compared:
+    """Do the tasks, with progress."""
+    with progress("surveying fields", len(waiting(out, benchmark))) as advance:
+        done = failed = 0
 
-        field = read_field(boundary)
-        outline, crs = shapely.to_wkt(field.boundary, rounding_precision=-1), field.crs
-    setting = Setting(protocol, seed, _numbers(samples), outline, crs)
-    if protocol == "riseholme":
-        from subsoil.datasets import riseholme
+        def told(outcome: Outcome) -> None:
+            nonlocal done, failed
+            if isinstance(outcome, Retried):
+                again = f"worker died, trying again: {outcome.task.name}"
+                print(printable(again), file=sys.stderr)
+                return
+            done, failed = done + 1, failed + isinstance(outcome, Failed)
+            advance(done, f"{failed} failed" if failed else "")
 
-        riseholme()
-    cells = len(land_of(setting).cells)
-    if setting.samples[-1] > cells:
-        raise ParameterError(
-            f"{setting.samples[-1]} samples are more than the field's {cells} cells",
-            where="--samples",
-            remedy="take fewer",
-        )
-    return setting
-
-
-def _outcomes(tasks: Sequence[Task], dask: str | None, workers: int) -> Iterator[Outcome]:
-    if not tasks:
-        return iter(())
-    return on_pool(tasks, workers) if dask is None else on_dask(tasks, dask, workers)
-
-
-def _work(out: Path, tasks: Sequence[Task], outcomes: Iterator[Outcome]) -> list[Failed]:
-    """Keep results as they come, with progress; returns the failures."""
-    failed: list[Failed] = []
-    with progress("surveying fields", len(tasks)) as advance:
-        done = 0
-        for outcome in outcomes:
-            match outcome:
-                case Retried():
-                    again = f"worker died, trying again: {outcome.task.name}"
-                    print(printable(again), file=sys.stderr)
-                    continue
-                case Failed():
-                    failed.append(outcome)
-                case Result():
-                    keep(out, outcome)
-            done += 1
-            advance(done, f"{len(failed)} failed" if failed else "")
-    return failed
+        return compare(benchmark, out, workers=workers, dask=dask, told=told)
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from subsoil.cli.figures import FigureFormat
 from subsoil.cli.inspect import summary, tell_survey
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
@@ -26,10 +28,10 @@ from subsoil.io.write.rasters import write_geotiffs
 from subsoil.journal import Journal, create, fingerprint, last_event
 from subsoil.land.field import Field
 from subsoil.layers import Layers
-from subsoil.mapping.scores import rmse
 from subsoil.optional import FIGURES, GEOTIFF, REPORT, require
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.report import Progress, write_report
+from subsoil.report.wording import promise_kept
 from subsoil.simulation import Truth
 from subsoil.survey import (
     DEFAULT_ESTIMATOR,
@@ -42,8 +44,10 @@ from subsoil.survey import (
     opening,
 )
 from subsoil.survey.events import Configured, Event, Planned, Simulation
+from subsoil.survey.outlook import outlook
+from subsoil.survey.progress import History
 from subsoil.survey.simulated import SIMULATED, simulation_of, work
-from subsoil.units import SYSTEMS
+from subsoil.units import METRIC, SYSTEMS
 from subsoil.worlds import demo_field, truth_of
 
 DemoField = Annotated[
@@ -73,18 +77,13 @@ def demo(
     estimator: EstimatorName = DEFAULT_ESTIMATOR,
     seed: Seed = 0,
     overwrite: Overwrite = False,
+    figures: FigureFormat = "png",
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show a robot survey a field adaptively; leaves a survey file, maps, figures and a report."""
     require(GEOTIFF, FIGURES, REPORT)
-    path = folder(out) / _FILE
-    if path.exists() and not overwrite:
-        raise JournalError(
-            "it is there from an earlier demonstration",
-            where=str(path),
-            remedy="give --overwrite to replace it, or another --out",
-        )
+    path = _file(out, overwrite)
     land, layers = _land(field), Layers()
     method = MethodOptions(strategy=strategy, estimator=estimator, seed=seed)
     settings = settings_of(land, method, limits)
@@ -96,11 +95,15 @@ def demo(
     rasters = write_geotiffs(survey.soil_map, out)
     _, digest = last_event(path)
     report = write_report(
-        survey, history, fits, out, fingerprint=fingerprint(digest), units=SYSTEMS[units]
-    )
+        survey, history, fits, out,
+        fingerprint=fingerprint(digest), units=SYSTEMS[units], figures=figures,
+    )  # fmt: skip
     result = {
         **summary(survey),
         "rmse_kpa": history[-1].rmse,
+        "outlook": promise_kept(
+            outlook(survey), history[-1].rmse, METRIC if as_json else SYSTEMS[units]
+        ),
         "survey": path,
         "maps": rasters,
         "report": report,
@@ -108,38 +111,45 @@ def demo(
     tell_survey(result, as_json, units)
 
 
+def _file(out: Path, overwrite: bool) -> Path:
+    """Path of the survey file, which is not there or may be replaced."""
+    path = folder(out) / _FILE
+    if path.exists() and not overwrite:
+        raise JournalError(
+            "it is there from an earlier demonstration",
+            where=str(path),
+            remedy="give --overwrite to replace it, or another --out",
+        )
+    return path
+
+
 def _survey(
     journal: Journal, settings: Settings, truth: Truth, simulation: Simulation
 ) -> tuple[Survey, tuple[Progress, ...]]:
-    history: list[Progress] = []
+    """Survey to the end, with progress on a terminal."""
+    history = History(truth)
     with resumable(), progress("surveying", settings.samples, first="planning") as advance:
 
         def follow(survey: Survey, event: Event) -> None:
-            if not isinstance(event, Planned):
-                return
-            if not survey.taken:
-                advance(0, "")
-                return
-            history.append(_progress(survey, truth))
-            advance(survey.taken, _in_short(history[-1]))
+            history(survey, event)
+            if isinstance(event, Planned):
+                advance(survey.taken, _in_short(history.entries))
 
         allowed = allowed_by(None, settings.strategy, settings.estimator)
         dispatch = LocalDispatch(fold(journal.events()), journal, follow, allowed=allowed)
         dispatch.record(Configured(settings=settings))
         dispatch.join(SIMULATED, "simulator", simulation=simulation)
         work(dispatch, truth)
-        history.append(_progress(dispatch.survey, truth))
-        advance(dispatch.survey.taken, _in_short(history[-1]))
-    return dispatch.survey, tuple(history)
+        history.look(dispatch.survey)
+        advance(dispatch.survey.taken, _in_short(history.entries))
+    return dispatch.survey, tuple(history.entries)
 
 
-def _progress(survey: Survey, truth: Truth) -> Progress:
-    spent = survey.spent
-    error = rmse(survey.soil_map.mean, truth.kpa)
-    return Progress(spent.samples, spent.metres, spent.minutes, spent.mean_kv, error)
-
-
-def _in_short(now: Progress) -> str:
+def _in_short(history: Sequence[Progress]) -> str:
+    """Say how a survey stands on one line; nothing before its first sample."""
+    if not history:
+        return ""
+    now = history[-1]
     spread = math.sqrt(now.mean_kv)
     return (
         f"√KV {spread:.0f} kPa  RMSE {now.rmse:.0f} kPa  {now.metres:.0f} m  {now.minutes:.0f} min"

@@ -71,11 +71,10 @@ def doctor(as_json: AsJson = False) -> None:
         tell({**machine, **found}, as_json)
     else:
         tell(machine, as_json)
-        tell_table(
-            "Libraries", ("library", "version"), [(each.name, each.found) for each in libraries]
-        )
-        lacking = [(each.name, each.remedy) for each in libraries if not each.version]
-        tell_table("What installs the others", ("library", "command"), lacking)
+        columns = ("library", "version", "remedy")
+        rows = [(each.name, each.found, "" if each.version else each.remedy) for each in libraries]
+        shown = 2 if all(each.version for each in libraries) else 3
+        tell_table("Libraries", columns[:shown], [row[:shown] for row in rows])
     if missing:
         raise typer.Exit(1)
 

@@ -9,18 +9,26 @@ from typing import Annotated
 
 import typer
 
+from subsoil.cli.figures import FigureFormat
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import Allow, MethodOptions, SurveyFile, allowed_by, settings_of
-from subsoil.cli.output import AsJson, Shown, folder, progress, say, tell, tell_table, working
+from subsoil.cli.output import (
+    AsJson,
+    Shown,
+    folder,
+    progress,
+    say,
+    tell,
+    tell_table,
+    working,
+)
 from subsoil.cli.parsing import OUTPUT, grouped
 from subsoil.errors import ParameterError
-from subsoil.io.write.whole import whole
 from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
 from subsoil.land.field import Field
 from subsoil.optional import FIGURES, require
-from subsoil.plots import outlook_curve
-from subsoil.plots.album import DPI
+from subsoil.plots import outlook_curve, save
 from subsoil.report.wording import in_units
 from subsoil.survey import Survey, apply, fold, settled
 from subsoil.survey.events import Configured, Event, Opened
@@ -54,16 +62,7 @@ def plan(
         state = apply(state, Configured(settings=settings_of(state.field, method, limits)))
     with working("planning"):
         state, _ = settled(state, allowed)
-    stops = _next(state)
-    way = length(state.access, state.position, state.access.at[list(stops)])
-    result: dict[str, object] = {
-        "survey": survey,
-        "strategy": state.settings.strategy,
-        "stops": len(stops),
-        "metres": way,
-        "minutes": state.settings.pace.minutes(way, len(stops)),
-        "reason": state.finished or state.plan.reason,
-    }
+    stops, result = _next(state), {"survey": survey, **_ahead(state)}
     if as_json:
         tell({**result, "plan": [_stop(state.field, cell) for cell in stops]}, as_json)
         return
@@ -82,6 +81,7 @@ def status(
             rich_help_panel=OUTPUT,
         ),
     ] = None,
+    figures: FigureFormat = "png",
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
@@ -95,7 +95,7 @@ def status(
     notes = (*content.notes, *state.notes, *too_sure(state), *out_of_reach(state, prospects))
     result = {**summary(state), "notes": notes, "fingerprint": content.fingerprint}
     if out:
-        result["picture"] = _draw(events, prospects, folder(out) / "outlook.png")
+        result["picture"] = _draw(events, prospects, folder(out) / f"outlook.{figures}")
     if as_json:
         numbers = {
             "outlook": words,
@@ -187,6 +187,19 @@ def tell_survey(result: Mapping[str, object], as_json: bool, units: System = "me
     tell(shown, as_json, SYSTEMS[units])
 
 
+def _ahead(survey: Survey) -> dict[str, object]:
+    """What is still planned, and what it takes."""
+    stops = _next(survey)
+    way = length(survey.access, survey.position, survey.access.at[list(stops)])
+    return {
+        "strategy": survey.settings.strategy,
+        "stops": len(stops),
+        "metres": way,
+        "minutes": survey.settings.pace.minutes(way, len(stops)),
+        "reason": survey.finished or survey.plan.reason,
+    }
+
+
 def _next(survey: Survey) -> tuple[int, ...]:
     """Cells still to visit: those on somebody's way first."""
     return (*(lease.cell for lease in survey.leases), *survey.plan.cells)
@@ -195,10 +208,7 @@ def _next(survey: Survey) -> tuple[int, ...]:
 def _draw(events: Sequence[Event], prospects: Outlook, path: Path) -> Path:
     first, *later = events
     assert isinstance(first, Opened)
-    figure = outlook_curve(progress_of(first, later), prospects, caption=first.name)
-    with whole(path) as unfinished:
-        figure.savefig(unfinished, dpi=DPI)
-    return path
+    return save(outlook_curve(progress_of(first, later), prospects, caption=first.name), path)
 
 
 def _prospect(survey: Survey, entry: Prospect) -> dict[str, float]:

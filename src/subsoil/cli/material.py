@@ -21,10 +21,11 @@ from subsoil.errors import ParameterError
 from subsoil.findings import left_out
 from subsoil.io.read.readings import read_readings
 from subsoil.journal import read_events
+from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
 from subsoil.layers import Layers
 from subsoil.penetrometer import Cone
-from subsoil.readings import Readings
+from subsoil.readings import Readings, finer_than_readings
 from subsoil.survey import DEFAULT_ESTIMATOR, fold
 from subsoil.survey.measured import readings_of
 from subsoil.variogram import Estimator, estimator_named
@@ -50,11 +51,29 @@ class Material:
         """(m, n) layer means in kPa, NaN where not measured."""
         return self.readings.layer_means(self.layers)
 
-    def systems(self, alike: bool) -> list[int]:
-        """Readings in each kriging system of a map: of each layer, or, alike, each set of them."""
+    def check_memory(self, *, alike: bool, cells: int = 0) -> None:
+        """Check that kriging and leaving out fit into the memory of this machine.
+
+        Parameters
+        ----------
+        alike
+            Whether layers that the same readings reached share a system, or each has its own.
+        cells
+            Cells of the map, if there is one.
+
+        Raises
+        ------
+        ReadingsError
+            If they do not.
+        """
         reached = np.isfinite(self.kpa)
         systems = np.unique(reached, axis=0) if alike else reached
-        return [int(readings) for readings in systems.sum(axis=1)]
+        check_memory(
+            len(self.readings),
+            systems=[int(readings) for readings in systems.sum(axis=1)],
+            cells=cells,
+            layers=len(self.layers),
+        )
 
 
 @dataclass(frozen=True)
@@ -95,7 +114,10 @@ class MaterialOptions:
         readings = read_readings(
             self.readings, field=field, crs=self.crs, cone=cone, units=self.reading_unit
         )
-        return _enough(Material(readings, layers_of(self.layers)), self.readings)
+        layers = layers_of(self.layers)
+        fine = finer_than_readings(readings, layers)
+        readings = replace(readings, findings=(*readings.findings, *fine))
+        return _enough(Material(readings, layers), self.readings)
 
     def estimator_of(self, material: Material) -> Estimator:
         """What estimates the variograms.

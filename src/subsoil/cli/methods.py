@@ -10,8 +10,8 @@ from typing import Any
 
 from subsoil.cli.output import AsJson, say, tell
 from subsoil.registry import Registry
-from subsoil.strategies import STRATEGIES
-from subsoil.variogram import ESTIMATORS
+from subsoil.strategies import named
+from subsoil.variogram import estimators
 
 _OWN = (
     "One of your own is given as module:attribute, such as --strategy mine:plan for plan(view) or "
@@ -19,9 +19,9 @@ _OWN = (
     "settings. Try on it first what holds of these: subsoil bench check mine:plan"
 )
 _ROLE = re.compile(r"^An? :\w+:`[^`]*`: ")
-_REGISTRIES: dict[str, Registry[Callable[..., Any]]] = {
-    "strategy": Registry("strategy", "subsoil.strategies", STRATEGIES),
-    "estimator": Registry("estimator", "subsoil.estimators", ESTIMATORS),
+_REGISTRIES: dict[str, Registry[Any]] = {
+    "strategy": named.REGISTRY,
+    "estimator": estimators.REGISTRY,
 }
 
 

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 
 import numpy as np
 
 from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of
 from subsoil.cli.field import Block, Boundary, CellSize, OptionalBoundary
+from subsoil.cli.figures import FigureFormat
+from subsoil.cli.found import exit_for, said
 from subsoil.cli.material import Material, MaterialOptions
 from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
 from subsoil.cli.parsing import grouped
-from subsoil.errors import ParameterError
-from subsoil.findings import left_out, others
 from subsoil.io.read.boundary import read_field
 from subsoil.io.write.rasters import write_geotiffs
-from subsoil.kriging import LeaveOneOut, block_out
 from subsoil.kriging.memory import check_memory
 from subsoil.mapping.fit import Fits, fit
 from subsoil.mapping.krige import krige
-from subsoil.mapping.skill import layer_scores, no_better_than_mean
+from subsoil.mapping.skill import LayerSkill, block_skills, layer_skills, unskilled
 from subsoil.optional import FIGURES, GEOTIFF, require
-from subsoil.plots import readings_figures
+from subsoil.plots import draw_readings, save_all
 from subsoil.units import SYSTEMS, System, Units
 from subsoil.variogram import Estimator, Fit, LeastSquares, Pooled, name_of
 
@@ -35,6 +35,7 @@ def make_map(
     covariate: CovariateFile = None,
     column: Column = None,
     drift: Drift = "auto",
+    figures: FigureFormat = "png",
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
@@ -43,31 +44,26 @@ def make_map(
     field = read_field(boundary, crs=given.crs, cell_size=cell)
     material = given.read(field)
     found, chosen = material.readings, given.estimator_of(material)
-    check_memory(
-        len(found),
-        systems=material.systems(alike=isinstance(chosen, Pooled) and covariate is None),
-        cells=len(field.cells),
-        layers=len(material.layers),
-    )
+    alike = isinstance(chosen, Pooled) and covariate is None
+    material.check_memory(alike=alike, cells=len(field.cells))
     known = covariate_of(covariate, column, field, given.crs)
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
     soil_map = krige(field, found, fits)
-    scores = _scores(material, fits)
-    notes = (*others(found.findings), *soil_map.notes, *_unskilled(material, scores))
+    skills = _skills(material, fits)
     about = {
         "readings": given.readings,
         "field": field.name,
         "area_ha": field.area_ha,
         "samples": len(found),
-        "refused": _refused(material),
         "std_dev_kpa": float(np.sqrt(soil_map.field_kv)),
-        "notes": tuple(dict.fromkeys(notes)),
+        **said(found.findings, (*soil_map.notes, *unskilled(skills)), as_json=as_json),
         "drift": [material.layers.names[k] for k in fits.drift],
         "maps": write_geotiffs(soil_map, folder(out)),
-        "figures": readings_figures(soil_map, fits.fits, out),
+        "figures": save_all(draw_readings(soil_map, fits.fits), out, figures),
     }
     title = "Leave-one-out (skill 0: no better than the mean; calibration 1: honest)"
-    _tell_scored(about, title, material, _score_dicts(material, fits, scores), units, as_json)
+    _tell_scored(about, title, material, [asdict(each) for each in skills], units, as_json)
+    exit_for(found.findings)
 
 
 @grouped
@@ -83,12 +79,17 @@ def variogram(
     if not isinstance(chosen, LeastSquares):
         check_memory(len(material.readings))
     fits = fit(material.readings, material.layers, chosen)
-    about = {**_about(material), **_posterior(chosen, material)}
+    about = {**_about(material, as_json), **_posterior(chosen, material)}
     if as_json:
         reports = [_fit_dict(n, f) for n, f in zip(material.layers.names, fits, strict=True)]
         tell({**about, "layers": reports}, as_json)
-        return
-    _tell(about, units)
+    else:
+        _tell(about, units)
+        _tell_fits(material, fits, units)
+    exit_for(material.readings.findings)
+
+
+def _tell_fits(material: Material, fits: Fits, units: System) -> None:
     for name, each in zip(SYSTEMS[units].layers(material.layers), fits, strict=True):
         bins = each.empirical
         columns = bins.lag.tolist(), bins.pairs.tolist(), bins.semivariance.tolist()
@@ -111,78 +112,26 @@ def cv(
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
     material = given.read(read_field(boundary, crs=given.crs) if boundary else None)
     found = material.readings
-    check_memory(len(found), systems=material.systems(alike=False), layers=len(material.layers))
+    material.check_memory(alike=False)
     fits = fit(found, material.layers, given.estimator_of(material))
-    scores = _scores(material, fits)
-    blocks = []
+    skills = _skills(material, fits)
     with progress(f"leaving {block:g} m blocks out", len(fits)) as advance:
-        each = zip(material.layers.names, fits.variograms, material.kpa, strict=True)
-        for name, model, kpa in each:
-            known = np.isfinite(kpa)
-            blocks.append(block_out(model, found.at[known], kpa[known], block))
-            advance(len(blocks), name)
-    rows = [
-        {**row, "block_rmse_kpa": float(left.rmse[0]), "block_skill": float(left.skill[0])}
-        for row, left in zip(_score_dicts(material, fits, scores), blocks, strict=True)
-    ]
-    about = {**_about(material), "notes": (*others(found.findings), *_unskilled(material, scores))}
-    title = f"Leave-one-out and {block:g} m blocks"
-    _tell_scored({**about, "block_m": block}, title, material, rows, units, as_json)
+        blocks = block_skills(found, fits, block, advance)
+    rows = [{**asdict(one), **asdict(other)} for one, other in zip(skills, blocks, strict=True)]
+    about = {**_about(material, as_json, unskilled(skills)), "block_m": block}
+    _tell_scored(about, f"Leave-one-out and {block:g} m blocks", material, rows, units, as_json)
+    exit_for(found.findings)
 
 
-def _scores(material: Material, fits: Fits) -> list[LeaveOneOut]:
-    scores, names = [], material.layers.names
-    at, models = material.readings.at, fits.variograms
-    found = layer_scores(at, material.kpa, models, fits.covariate, fits.drift)
+def _skills(material: Material, fits: Fits) -> tuple[LayerSkill, ...]:
     with progress("leaving readings out", len(fits)) as advance:
-        for k, (name, score) in enumerate(zip(names, found, strict=True)):
-            if score is None:
-                raise ParameterError(
-                    f"{np.isfinite(material.kpa[k]).sum()} readings reached the layer",
-                    where=f"layer {name}",
-                    remedy="leave it out with --layers",
-                )
-            scores.append(score)
-            advance(len(scores), name)
-    return scores
+        return layer_skills(material.readings, fits, advance)
 
 
-def _about(material: Material) -> dict[str, object]:
+def _about(material: Material, as_json: bool, further: Iterable[str] = ()) -> dict[str, object]:
     """How many readings are used, which are not and why, and what else to know."""
-    return {
-        "samples": len(material.readings),
-        "refused": _refused(material),
-        "notes": others(material.readings.findings),
-    }
-
-
-def _refused(material: Material) -> tuple[str, ...]:
-    return tuple(str(finding) for finding in left_out(material.readings.findings))
-
-
-def _unskilled(material: Material, scores: list[LeaveOneOut]) -> Iterator[str]:
-    return no_better_than_mean(material.layers.names, scores)
-
-
-def _score_dicts(
-    material: Material, fits: Fits, scores: list[LeaveOneOut]
-) -> list[dict[str, object]]:
-    return [
-        {
-            "layer": name,
-            "samples": int(np.isfinite(kpa).sum()),
-            "mean_kpa": float(np.nanmean(kpa)),
-            "sd_kpa": float(np.nanstd(kpa)),
-            "range_m": model.range,
-            "nugget_share": model.nugget / model.sill,
-            "loo_rmse_kpa": float(score.rmse[0]),
-            "loo_skill": float(score.skill[0]),
-            "loo_calibration": float(score.calibration[0]),
-        }
-        for name, kpa, model, score in zip(
-            material.layers.names, material.kpa, fits.variograms, scores, strict=True
-        )
-    ]
+    found = material.readings
+    return {"samples": len(found), **said(found.findings, tuple(further), as_json=as_json)}
 
 
 def _tell(result: Mapping[str, object], units: System) -> None:

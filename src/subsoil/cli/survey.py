@@ -12,6 +12,7 @@ import typer
 
 from subsoil.cli.covariate import Column, CovariateFile, covariate_of
 from subsoil.cli.field import Boundary, CellSize, ConeArea, Crs, Edges, KeepOuts
+from subsoil.cli.found import exit_for, said
 from subsoil.cli.inspect import summary, tell_survey
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import (
@@ -26,19 +27,17 @@ from subsoil.cli.options import (
 )
 from subsoil.cli.output import AsJson, Shown, progress, resumable, tell
 from subsoil.cli.parsing import FIELD, ROBOT, grouped
-from subsoil.errors import JournalError, brief
-from subsoil.findings import others
 from subsoil.io.read.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
 from subsoil.registry import Allowed
 from subsoil.reports import Refused, Sampled
-from subsoil.simulation import Machine, Truth
+from subsoil.simulation import Machine
 from subsoil.survey import LocalDispatch, Survey, fold, opening
-from subsoil.survey.events import Configured, Event, Planned, Simulation
-from subsoil.survey.simulated import SIMULATED, simulation_of, work
+from subsoil.survey.events import Configured, Event, Planned
+from subsoil.survey.simulated import SIMULATED, work
 from subsoil.units import SYSTEMS
-from subsoil.worlds import soil_of, truth_of
+from subsoil.worlds import soil_of, soil_to_survey
 
 Faster = Annotated[
     float,
@@ -114,9 +113,10 @@ def init(
         "cells": len(field.cells),
         "cone_area_mm2": cone_area,
         "force_limit_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
-        "notes": others(field.findings),
+        **said(field.findings, as_json=as_json),
     }
     tell(result, as_json, SYSTEMS[units])
+    exit_for(field.findings)
 
 
 @grouped
@@ -133,7 +133,7 @@ def run(
     with open_journal(survey) as journal:
         state = fold(journal.events())
         settings = settings_of(state.field, method, limits)
-        truth, simulation = _soil(state, robot.world, method.seed)
+        truth, simulation = soil_to_survey(state, robot.world, method.seed)
         with _working(journal, state, settings.samples, allowed) as dispatch:
             dispatch.record(Configured(settings=settings))
             dispatch.join(SIMULATED, "simulator", simulation=simulation)
@@ -178,28 +178,6 @@ def _working(
                 advance(survey.taken, _in_short(survey))
 
         yield LocalDispatch(state, journal, show, allowed=allowed)
-
-
-def _soil(survey: Survey, world: str | None, seed: int) -> tuple[Truth, Simulation]:
-    """The soil to survey, and its record: its own for a survey that was begun.
-
-    Raises
-    ------
-    JournalError
-        If the survey was begun in another one, or on real land.
-    """
-    if not survey.agents:
-        world = world or "simulated"
-        truth = truth_of(world, survey.field, survey.layers, seed)
-        return truth, simulation_of(truth, world, seed)
-    truth, begun = soil_of(survey), survey.simulation[0]
-    if world not in (None, begun.world):
-        raise JournalError(
-            f"it was begun in the soil {brief(begun.world)!r} and does not go on in {world!r}",
-            where=survey.name,
-            remedy=f"give --world {brief(begun.world)}, or start another survey",
-        )
-    return truth, begun
 
 
 def _in_short(survey: Survey) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,11 +11,13 @@ from subsoil.arrays import Bools, Floats
 from subsoil.errors import ReadingsError
 from subsoil.layers import LayerState
 from subsoil.mapping.soilmap import SoilMap
-from subsoil.plots.sheet import COLD, FAINT, INK, SMALL, TEXT, WARM, blank, place
+from subsoil.plots.sheet import COLD, FAINT, INK, SMALL, TEXT, WARM, Sheet, blank, room_of
+from subsoil.plots.subject import Soil, subject
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from subsoil.plots.sheet import Drawn
 
 
 _ARROW = [(0.0, 0.0), (1.0, 0.0), (0.7, 0.2), (1.0, 0.0), (0.7, -0.2), (1.0, 0.0)]
@@ -22,7 +25,13 @@ ROOT_LIMIT_KPA = 2000.0
 """Resistance at which roots hardly grow any more (Taylor & Gardner 1963; Bengough 2011)."""
 
 
-def profiles(soil_map: SoilMap, *, caption: str = "") -> Figure:
+_SHEET = Sheet(1, 1, 4.7, 4.1, 0.25, 0.0, 0.75, 0.95, 0.65, 0.6)
+_LEAST = (1.9, 1.6)
+_LEGEND_WIDTH = 6.1
+"""Inches of a picture whose legend is one line."""
+
+
+def profiles(soil: Soil, *, caption: str = "", figure: Drawn | None = None) -> Drawn:
     """Layer means of every sample against depth, and their mean over the samples that measured it.
 
     An arrow marks a layer in which the force limit ended the push: its resistance is that or
@@ -30,18 +39,80 @@ def profiles(soil_map: SoilMap, *, caption: str = "") -> Figure:
 
     Parameters
     ----------
-    soil_map
-        Map whose samples to draw.
+    soil
+        Map or survey whose samples to draw.
     caption
-        What to say under the title.
+        What to say under the title. Default: how many samples, and what they cost.
+    figure
+        Figure or part of one to draw into, within its size. Default: a new one.
+
+    Returns
+    -------
+    Figure or SubFigure
+        What was drawn into.
 
     Raises
     ------
     ReadingsError
         If no sample has measured a layer yet.
+    ParameterError
+        If the figure is too small.
     MissingExtraError
         If matplotlib is not installed.
     """
+    found, room = subject(soil), room_of(figure)
+    _measured(found.soil_map)
+    narrow = room is not None and room[0] < _LEGEND_WIDTH
+    layout = replace(_SHEET, strip=0.45 if narrow else 0.25).filling(room, _LEAST)
+    drawn = blank(layout.size, "Resistance by depth at every sample", caption or found.cost, figure)
+    axes = profiles_panel(found.soil_map, ax=layout.panel(drawn, 0))
+    axes.legend(
+        fontsize=SMALL,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=2 if narrow else 4,
+        frameon=False,
+    )
+    return drawn
+
+
+def profiles_panel(soil_map: SoilMap, *, ax: Axes) -> Axes:
+    """Draw the layer means of every sample and their mean into axes, as :func:`profiles` does.
+
+    The lines have names, for a legend.
+
+    Parameters
+    ----------
+    soil_map
+        Map whose samples to draw.
+    ax
+        Axes to draw into.
+
+    Returns
+    -------
+    Axes
+        Those axes.
+
+    Raises
+    ------
+    ReadingsError
+        If no sample has measured a layer yet.
+    """
+    measured = _measured(soil_map)
+    values = np.array([sample.kpa for sample in soil_map.samples]).T
+    states = np.array([sample.state for sample in soil_map.samples]).T
+    depth = soil_map.layers.centre_m
+    ax.plot(values, depth, color=COLD, alpha=0.35, linewidth=0.8)
+    ax.plot([], [], color=COLD, alpha=0.6, linewidth=0.8, label="a sample")
+    _draw_bounds(ax, values, states == LayerState.AT_LEAST, depth)
+    _draw_mean(ax, measured, depth)
+    ax.axvline(ROOT_LIMIT_KPA, color=WARM, linestyle="--", linewidth=1.2, label="2 MPa")
+    _label(ax, np.array(soil_map.layers.edges_m), values)
+    return ax
+
+
+def _measured(soil_map: SoilMap) -> Floats:
+    """(m, n) layer means of the samples, some of which were measured."""
     measured = soil_map.kpa
     if not np.isfinite(measured).any():
         raise ReadingsError(
@@ -49,21 +120,7 @@ def profiles(soil_map: SoilMap, *, caption: str = "") -> Figure:
             where="profiles",
             remedy="take samples first",
         )
-    values = np.array([sample.kpa for sample in soil_map.samples]).T
-    states = np.array([sample.state for sample in soil_map.samples]).T
-    figure = blank((6.4, 5.6), "Resistance by depth at every sample", caption)
-    axes = place(figure, 0.75, 0.6, 4.7, 4.1)
-    depth = soil_map.layers.centre_m
-    axes.plot(values, depth, color=COLD, alpha=0.35, linewidth=0.8)
-    axes.plot([], [], color=COLD, alpha=0.6, linewidth=0.8, label="a sample")
-    _draw_bounds(axes, values, states == LayerState.AT_LEAST, depth)
-    _draw_mean(axes, measured, depth)
-    axes.axvline(ROOT_LIMIT_KPA, color=WARM, linestyle="--", linewidth=1.2, label="2 MPa")
-    _label(axes, np.array(soil_map.layers.edges_m), values)
-    axes.legend(
-        fontsize=SMALL, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, frameon=False
-    )
-    return figure
+    return measured
 
 
 def _draw_bounds(axes: Axes, values: Floats, bound: Bools, depth: Floats) -> None:

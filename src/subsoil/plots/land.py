@@ -1,8 +1,9 @@
-"""The field on a map: outline, keep-outs, samples, the way, scale bar and north arrow."""
+"""The field on a map: outline, keep-outs, samples, the way, and the foot that explains them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,17 +13,21 @@ from numpy.typing import NDArray
 from subsoil.arrays import Floats
 from subsoil.land.field import Field
 from subsoil.layers import LayerState
-from subsoil.plots.sheet import INK, SMALL, Sheet, place
+from subsoil.plots.sheet import INK, SMALL, Room, Sheet, place
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from subsoil.plots.sheet import Canvas
 
 
 _MARGIN = 0.04
 _CROWDED = 60
-SCALE_WIDTH = 2.2
+_SCALE = (2.2, 0.75)
 """Room in inches for scale bar and north arrow."""
+_NAME, _LONG_NAME, _LINE = 1.3, 1.7, 0.18
+"""Room in inches for a mark and its name in a legend, for a long name, and their height."""
 
 _LOOKS = {
     LayerState.MEASURED: ("sample", "o", "white"),
@@ -95,23 +100,53 @@ def draw_refusals(axes: Axes, at: Floats) -> None:
     )
 
 
-def draw_scale(figure: Figure, sheet: Sheet, field: Field) -> None:
-    """Scale bar and north arrow at the foot of a sheet of maps."""
+def foot_height(room: Room | None, marks: int) -> float:
+    """Inches under maps for scale bar and legend, which is below it in a narrow room."""
+    if room is None or room[0] - _SCALE[0] > 2 * _LONG_NAME:
+        return _SCALE[1]
+    return _SCALE[1] + math.ceil(marks / _columns_below(room[0])) * _LINE + 0.05
+
+
+def draw_foot(figure: Canvas, sheet: Sheet, field: Field, panels: Sequence[Axes]) -> None:
+    """Scale bar, north arrow, and one legend for the marks of all axes."""
     west, _, east, _ = frame(field)
-    inch = (east - west) / sheet.width
+    width, height = sheet.size
+    legend = sheet.bottom - _SCALE[1]
+    base = sheet.spare + legend
+    marks: dict[str, Artist] = {}
+    for axes in panels:
+        handles, names = axes.get_legend_handles_labels()
+        marks.update(zip(names, handles, strict=True))
+    columns = _columns_below(width) if legend else max(2, int((width - _SCALE[0]) / _NAME))
+    across, up = (0.1, base + 0.05) if legend else (width - 0.15, base + 0.34)
+    figure.legend(
+        list(marks.values()), list(marks), loc="upper left" if legend else "center right",
+        ncols=min(columns, len(marks)), bbox_to_anchor=(across / width, up / height),
+        fontsize=SMALL, frameon=False,
+        handletextpad=0.5, columnspacing=1.4, handlelength=1.6,
+    )  # fmt: skip
+    room = (min(_SCALE[0], width - sheet.left), _SCALE[1])
+    _draw_scale(place(figure, sheet.left, base, *room), room, (east - west) / sheet.width)
+
+
+def _columns_below(width: float) -> int:
+    return max(1, int((width - 0.2) / _LONG_NAME))
+
+
+def _draw_scale(axes: Axes, room: Room, inch: float) -> None:
+    """Scale bar and north arrow in a room, for maps with so many metres in an inch."""
     metres = round_length(1.3 * inch)
-    foot = place(figure, sheet.left, 0.0, SCALE_WIDTH, sheet.bottom)
-    foot.set_xlim(0, SCALE_WIDTH)
-    foot.set_ylim(0, sheet.bottom)
-    foot.set_axis_off()
-    long, middle = metres / inch, sheet.bottom / 2
-    foot.plot([0.05, 0.05 + long], [middle - 0.08] * 2, color=INK, linewidth=2.5, gid="scale bar")
-    foot.text(0.05 + long / 2, middle, f"{metres:g} m", size=SMALL, ha="center", va="bottom")
-    foot.annotate(
+    axes.set_xlim(0, room[0])
+    axes.set_ylim(0, room[1])
+    axes.set_axis_off()
+    long, middle = metres / inch, room[1] / 2
+    axes.plot([0.05, 0.05 + long], [middle - 0.08] * 2, color=INK, linewidth=2.5, gid="scale bar")
+    axes.text(0.05 + long / 2, middle, f"{metres:g} m", size=SMALL, ha="center", va="bottom")
+    axes.annotate(
         "", (long + 0.35, middle + 0.14), (long + 0.35, middle - 0.2),
         arrowprops={"arrowstyle": "-|>", "color": INK},
     )  # fmt: skip
-    foot.text(long + 0.35, middle + 0.14, "N", size=SMALL, ha="center", va="bottom")
+    axes.text(long + 0.35, middle + 0.14, "N", size=SMALL, ha="center", va="bottom")
 
 
 def round_length(metres: float) -> float:

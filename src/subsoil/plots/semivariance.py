@@ -9,21 +9,42 @@ import numpy as np
 
 from subsoil.arrays import Floats, Integers
 from subsoil.errors import ParameterError
-from subsoil.mapping.soilmap import SoilMap
-from subsoil.plots.sheet import COLD, FAINT, INK, SMALL, TEXT, WARM, blank, head, sheet
+from subsoil.plots.sheet import (
+    COLD,
+    FAINT,
+    INK,
+    SMALL,
+    TEXT,
+    WARM,
+    blank,
+    head,
+    least_length,
+    letters,
+    room_of,
+    sheet,
+    width_of,
+)
+from subsoil.plots.subject import Soil, subject
 from subsoil.variogram import Bounded, Fit, Nested, Variogram, name_of, semivariance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from subsoil.plots.sheet import Drawn
 
 
 _THOUSAND = 1000.0
-_CLOSE = 0.1
-"""Share of a panel's width in which two numbers do not fit side by side."""
+_GAMMA = "semivariance (10³ kPa²)"
+_LEAST = (0.9, 0.5)
+_BEYOND = 0.15
+"""Inches by which words above a panel may be longer than it."""
+_PAIRS, _LETTER_WIDTH, _APART = 6, 0.01, 0.06
+"""Size of the numbers of pairs in points, inches a digit and point, and inches between them."""
 
 
-def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> Figure:
+def variograms(
+    fits: Sequence[Fit], soil: Soil, *, caption: str = "", figure: Drawn | None = None
+) -> Drawn:
     """Empirical variogram of every layer with the number of pairs in each bin, and its curve.
 
     A dashed second curve shows what a layer was kriged with, where that is another model.
@@ -32,40 +53,73 @@ def variograms(fits: Sequence[Fit], soil_map: SoilMap, *, caption: str = "") -> 
     ----------
     fits
         How the variograms were come by, one a layer.
-    soil_map
-        Map kriged with them.
+    soil
+        Map kriged with them, or the survey whose map it is.
     caption
-        What to say under the title.
+        What to say under the title. Default: how many samples, and what they cost.
+    figure
+        Figure or part of one to draw into, within its size. Default: a new one.
+
+    Returns
+    -------
+    Figure or SubFigure
+        What was drawn into.
 
     Raises
     ------
     ParameterError
-        If there is not one fit a layer.
+        If there is not one fit a layer, or the figure is too small.
     MissingExtraError
         If matplotlib is not installed.
     """
-    names = soil_map.layers.names
+    found = subject(soil)
+    names, models = found.soil_map.layers.names, found.soil_map.kriged_with
     if len(fits) != len(names):
         raise ParameterError(
             f"{len(fits)} fits for {len(names)} layers",
             where="variograms",
             remedy="give one a layer",
         )
-    layout = sheet(len(fits), 1.3, strip=0.8, across=0.52, left=0.65, right=0.2, bottom=0.5)
+    natural = sheet(len(fits), 1.3, strip=0.8, across=0.52, left=0.65, right=0.2, bottom=0.5)
+    words = [line for fit, used in zip(fits, models, strict=True) for line in remarks(fit, used)]
+    least = max(_LEAST[0], least_length(words) - _BEYOND)
+    layout = natural.filling(room_of(figure), (least, _LEAST[1]))
     legend = "small numbers: pairs of samples in each bin"
-    figure = blank(layout.size, "Variograms", "; ".join(filter(None, (caption, legend))))
-    reach = _reach(fits)
-    for k, (name, fit, used) in enumerate(zip(names, fits, soil_map.kriged_with, strict=True)):
-        axes = layout.panel(figure, k)
-        head(axes, f"{name}, {name_of(fit.variogram)}", lift=24)
-        _write(axes, parameters(fit.variogram), COLD, up=15)
-        _write(axes, remark(fit, used), WARM, up=4)
-        _draw(axes, fit, used, reach)
+    drawn = blank(layout.size, "Variograms", f"{caption or found.cost}; {legend}", figure)
+    size = letters(words, SMALL, layout.width + _BEYOND)
+    for k, (name, fit, used) in enumerate(zip(names, fits, models, strict=True)):
+        axes = layout.panel(drawn, k)
+        head(axes, f"{name}, {name_of(fit.variogram)}", lift=24, size=size * TEXT / SMALL)
+        _write(axes, parameters(fit.variogram), COLD, size, up=15)
+        _write(axes, remark(fit, used), WARM, size, up=4)
+        _draw(axes, fit, used, _reach(fits))
         if k % layout.columns == 0:
-            axes.set_ylabel("semivariance (10³ kPa²)", size=TEXT)
+            axes.set_ylabel(_GAMMA, size=letters([_GAMMA], TEXT, layout.height + 0.7))
         if k + layout.columns >= len(fits):
             axes.set_xlabel("distance (m)", size=TEXT)
-    return figure
+    return drawn
+
+
+def variogram_panel(fit: Fit, *, ax: Axes) -> Axes:
+    """Draw one empirical variogram, the pairs in its bins, and the curve fitted to it into axes.
+
+    Parameters
+    ----------
+    fit
+        How the variogram was come by.
+    ax
+        Axes to draw into.
+
+    Returns
+    -------
+    Axes
+        Those axes.
+    """
+    _draw(ax, fit, fit.variogram, _reach([fit]))
+    ax.set_ylabel(_GAMMA, size=TEXT)
+    ax.set_xlabel("distance (m)", size=TEXT)
+    ax.tick_params(labelsize=SMALL)
+    return ax
 
 
 def parameters(model: Bounded | Nested) -> str:
@@ -84,6 +138,11 @@ def remark(fit: Fit, used: Variogram) -> str:
     if type(used) is not type(fit.variogram) and isinstance(used, Bounded):
         words.append(f"kriged as {name_of(used)}")
     return "; ".join(words)
+
+
+def remarks(fit: Fit, used: Variogram) -> tuple[str, str]:
+    """Lines above a panel."""
+    return parameters(fit.variogram), remark(fit, used)
 
 
 def _reach(fits: Sequence[Fit]) -> float:
@@ -111,21 +170,28 @@ def _draw(axes: Axes, fit: Fit, used: Variogram, reach: float) -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def _write(axes: Axes, words: str, colour: str, *, up: float) -> None:
+def _write(axes: Axes, words: str, colour: str, size: float, *, up: float) -> None:
     """Write words above a panel, some points up."""
     axes.annotate(
         words, (0, 1), xytext=(0, up), xycoords="axes fraction", textcoords="offset points",
-        size=SMALL, color=colour,
+        size=size, color=colour,
     )  # fmt: skip
 
 
 def _count_pairs(axes: Axes, lag: Floats, pairs: Integers) -> None:
-    """Write the pairs of each bin above it, a line lower where the last one is close."""
-    lower, last = False, -np.inf
-    for x, number in zip(lag, pairs, strict=True):
-        lower = not lower and x - last < _CLOSE * axes.get_xlim()[1]
-        last = x
+    """Write the pairs of each bin above it, a line lower where the last one is close.
+
+    A number that has room in neither line is left out.
+    """
+    metre = width_of(axes) / axes.get_xlim()[1]
+    ends = {0.995: -np.inf, 0.935: -np.inf}
+    for x, number in zip(lag * metre, pairs, strict=True):
+        half = 0.5 * _PAIRS * _LETTER_WIDTH * len(str(number))
+        free = [y for y, end in ends.items() if x - half > end]
+        if not free:
+            continue
+        ends[free[0]] = x + half + _APART
         axes.text(
-            x, 0.935 if lower else 0.995, str(number), size=6, color=FAINT, ha="center",
+            x / metre, free[0], str(number), size=_PAIRS, color=FAINT, ha="center",
             va="top", transform=axes.get_xaxis_transform(), gid="pairs",
         )  # fmt: skip

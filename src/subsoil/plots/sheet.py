@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from subsoil.errors import printable
+from subsoil.errors import ParameterError, printable
 from subsoil.optional import FIGURES, load
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
+    from typing_extensions import TypeVar
+
+    Canvas = Figure | SubFigure
+    """What can be drawn on."""
+    Drawn = TypeVar("Drawn", bound=Canvas, default=Figure)
+    """The figure that was given to draw into, or else a new one."""
 
 TITLE, TEXT, SMALL = 12.0, 8.5, 7.5
 """Sizes of letters in points."""
@@ -23,6 +30,15 @@ _WIDE, _HIGH = 10.6, 8.6
 _WIDEST_PANEL = 6.0
 _NARROWEST = 6.4
 _PLEASING = 2.2
+_LETTERS, _SMALLEST = 110, 0.65
+"""Letters of a point in an inch of a title, and the part of its size to which it may shrink."""
+_LEAST_LETTERS = 5.0
+_NOTHING = 1e-9
+_LETTER = 0.58
+"""Mean width of a letter over its size."""
+
+Room = tuple[float, float]
+"""Width and height in inches."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +57,8 @@ class Sheet:
         Room between panels side by side.
     left, right, top, bottom
         Room around the panels.
+    room
+        Size of the whole, where that was given.
     """
 
     number: int
@@ -53,6 +71,7 @@ class Sheet:
     right: float
     top: float
     bottom: float
+    room: Room | None = None
 
     @property
     def rows(self) -> int:
@@ -70,22 +89,82 @@ class Sheet:
         return self.rows * (self.height + self.strip)
 
     @property
-    def size(self) -> tuple[float, float]:
+    def size(self) -> Room:
         """Width and height of the whole."""
-        width = self.left + self.breadth + self.right
-        return max(width, _NARROWEST), self.top + self.depth + self.bottom
+        if self.room:
+            return self.room
+        return max(self._needed, _NARROWEST), self.top + self.depth + self.bottom
+
+    @property
+    def spare(self) -> float:
+        """Height that is left below."""
+        return self.size[1] - (self.top + self.depth + self.bottom)
 
     @property
     def corner(self) -> float:
         """Where the panels begin, from the left; they are centred on a sheet wider than them."""
-        spare = self.size[0] - (self.left + self.breadth + self.right)
-        return self.left + spare / 2
+        return self.left + (self.size[0] - self._needed) / 2
 
-    def panel(self, figure: Figure, k: int) -> Axes:
+    def within(self, room: Room | None, least: Room) -> Sheet:
+        """Sheet in a room of a size, with panels of the same aspect, as large as they can be.
+
+        Parameters
+        ----------
+        room
+            Size of the whole; None for the size as it is.
+        least
+            Width and height that a panel needs to be read.
+
+        Raises
+        ------
+        ParameterError
+            If the room is too small.
+        """
+        aspect = self.width / self.height
+        width = max(least[0], least[1] * aspect)
+
+        def alike(free: Room) -> Room:
+            most = min(free[0], free[1] * aspect)
+            return most, most / aspect
+
+        return self._refitted(room, (width, width / aspect), alike)
+
+    def filling(self, room: Room | None, least: Room) -> Sheet:
+        """Sheet in a room of a size, as :meth:`within`, with panels that take all the room."""
+        return self._refitted(room, least, lambda free: free)
+
+    def _refitted(self, room: Room | None, least: Room, taken: Callable[[Room], Room]) -> Sheet:
+        if room is None:
+            return self
+        aspect = self.width / self.height
+        options = [replace(self, columns=c, room=room) for c in range(1, self.number + 1)]
+        sized = [
+            replace(each, width=width, height=height)
+            for each in options
+            for width, height in [taken(each._free)]
+            if width > least[0] - _NOTHING and height > least[1] - _NOTHING
+        ]
+        if not sized:
+            smallest = [replace(s, width=least[0], height=least[1], room=None) for s in options]
+            raise too_small(room, [(s._needed, s.top + s.depth + s.bottom) for s in smallest])
+        return max(sized, key=lambda s: min(s.width, aspect * s.height))
+
+    @property
+    def _free(self) -> Room:
+        """Width and height that the room leaves for each panel."""
+        width = self.size[0] - self.left - self.right - (self.columns - 1) * self.across
+        height = self.size[1] - self.top - self.bottom
+        return width / self.columns, height / self.rows - self.strip
+
+    @property
+    def _needed(self) -> float:
+        return self.left + self.breadth + self.right
+
+    def panel(self, figure: Canvas, k: int) -> Axes:
         """Add axes for the k-th panel, row by row from the top left."""
         row, column = divmod(k, self.columns)
         left = self.corner + column * (self.width + self.across)
-        bottom = self.bottom + self.depth - (row + 1) * (self.height + self.strip)
+        bottom = self.size[1] - self.top - (row + 1) * (self.height + self.strip)
         axes = place(figure, left, bottom, self.width, self.height)
         axes.tick_params(labelsize=SMALL, colors=INK)
         return axes
@@ -122,8 +201,17 @@ def _awkwardness(number: int, columns: int, aspect: float) -> float:
     return shape + (rows * columns - number) / number
 
 
-def blank(size: tuple[float, float], title: str, caption: str) -> Figure:
-    """Make a white figure of a size in inches, with a title and a caption at its top left.
+def blank(size: Room, title: str, caption: str, figure: Drawn | None = None) -> Drawn:
+    """Write a title and a caption at the top left of a figure: a new one, unless one is given.
+
+    Parameters
+    ----------
+    size
+        Its width and height in inches.
+    title, caption
+        What to write.
+    figure
+        What to write on. Default: a new white figure of that size.
 
     Raises
     ------
@@ -131,26 +219,75 @@ def blank(size: tuple[float, float], title: str, caption: str) -> Figure:
         If matplotlib is not installed.
     """
     width, height = size
-    figure: Figure = load("matplotlib.figure", *FIGURES[1:]).Figure(figsize=size, facecolor="white")
-    for text, down, points, colour in ((title, 0.14, TITLE, INK), (caption, 0.42, TEXT, FAINT)):
-        figure.text(
+    drawn: Drawn = figure or load("matplotlib.figure", *FIGURES[1:]).Figure(
+        figsize=size, facecolor="white"
+    )
+    for text, down, most, colour in ((title, 0.14, TITLE, INK), (caption, 0.42, TEXT, FAINT)):
+        said = printable(text)
+        points = max(_SMALLEST * most, min(most, width * _LETTERS / max(1, len(said))))
+        drawn.text(
             0.2 / width,
             1 - down / height,
-            textwrap.shorten(printable(text), int(width * 110 / points), placeholder=" ..."),
+            textwrap.shorten(said, int(width * _LETTERS / points), placeholder=" ..."),
             size=points,
             color=colour,
             va="top",
             parse_math=False,
         )
-    return figure
+    return drawn
 
 
-def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+def size_of(figure: Canvas) -> Room:
+    """Width and height in inches of a figure or a part of one."""
+    return figure.bbox.width / figure.dpi, figure.bbox.height / figure.dpi
+
+
+def room_of(figure: Canvas | None) -> Room | None:
+    """Size in inches of a figure that is given to draw into; None if none is."""
+    return None if figure is None else size_of(figure)
+
+
+def place(figure: Canvas, left: float, bottom: float, width: float, height: float) -> Axes:
     """Add axes at a place in inches from the lower left corner."""
-    wide, high = figure.get_size_inches()
-    return figure.add_axes((left / wide, bottom / high, width / wide, height / high))
+    wide, high = size_of(figure)
+    axes: Axes = figure.add_axes((left / wide, bottom / high, width / wide, height / high))
+    return axes
 
 
-def head(axes: Axes, name: str, *, lift: float = 0.0) -> None:
+def head(axes: Axes, name: str, *, lift: float = 0.0, size: float = TEXT) -> None:
     """Write a panel's name above it, lifted by some points."""
-    axes.set_title(name, size=TEXT, color=INK, loc="left", y=1.0, pad=4.0 + lift)
+    axes.set_title(name, size=size, color=INK, loc="left", y=1.0, pad=4.0 + lift)
+
+
+def width_of(axes: Axes) -> float:
+    """Width of axes in inches."""
+    return float(axes.bbox.width / axes.figure.dpi)
+
+
+def letters(words: Iterable[str], size: float, inches: float) -> float:
+    """Size of letters in points in which each of some lines fits a length, a given one at most.
+
+    Examples
+    --------
+    >>> letters(["short", "a line"], 8.5, 2.0)
+    8.5
+    """
+    longest = max(map(len, words), default=0)
+    return min(size, 72 * inches / (_LETTER * longest)) if longest else size
+
+
+def least_length(words: Iterable[str]) -> float:
+    """Inches in which each of some lines can still be read."""
+    return max(map(len, words), default=0) * _LETTER * _LEAST_LETTERS / 72
+
+
+def too_small(room: Room, needed: Iterable[Room]) -> ParameterError:
+    """Error that says which of some sizes in inches a picture needs: the next one to its room."""
+    wide, high = min(needed, key=lambda size: max(size[0] / room[0], size[1] / room[1]))
+    wide, high = (math.ceil(10 * inches) / 10 for inches in (wide, high))
+    return ParameterError(
+        f"the picture needs {wide:.1f} by {high:.1f} inches, and has {room[0]:.1f} by "
+        f"{room[1]:.1f}",
+        where="figure",
+        remedy="draw into a larger figure, or fewer pictures side by side",
+    )

@@ -7,16 +7,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from subsoil.errors import printable
 from subsoil.io.write.whole import whole
 from subsoil.optional import REPORT, load
-from subsoil.plots.album import DPI, survey_figures
+from subsoil.plots.album import draw_survey
+from subsoil.plots.saving import DPI, Format, as_png, save_all
 from subsoil.report.wording import headline, notes, rows
 from subsoil.survey import Survey
 from subsoil.survey.progress import Progress
 from subsoil.units import METRIC, Units
 from subsoil.variogram import Fit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _TEMPLATE = "page.html.j2"
 _SCREEN_DPI = 96
@@ -65,8 +70,9 @@ def write_report(
     title: str = "",
     fingerprint: str = "",
     units: Units = METRIC,
+    figures: Format = "png",
 ) -> Path:
-    """Write ``report.html`` and the pictures in it as PNG files; returns the path of the page.
+    """Write ``report.html`` and the pictures in it as files; returns the path of the page.
 
     The page holds its pictures and needs nothing else, neither files nor a network.
 
@@ -86,6 +92,8 @@ def write_report(
         Of the survey file's events, as ``subsoil status`` prints it; shown if given.
     units
         What its tables and its outlook are in. Pictures and notes are metric.
+    figures
+        Format of the files; the page itself holds pixels.
 
     Raises
     ------
@@ -96,11 +104,12 @@ def write_report(
     MissingExtraError
         If matplotlib or jinja2 is not installed.
     """
-    paths = survey_figures(survey, history, fits, folder)
-    pictures = [_picture(path) for path in paths]
+    drawn = draw_survey(survey, history, fits)
+    pictures = [_picture(name, figure, figures) for name, figure in drawn.items()]
     text = render(
         survey, history, fits, pictures, title=title, fingerprint=fingerprint, units=units
     )
+    save_all(drawn, folder, figures)
     path = Path(folder) / "report.html"
     with whole(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
@@ -153,8 +162,8 @@ def render(
     return text
 
 
-def _picture(path: Path) -> Picture:
-    png = path.read_bytes()
+def _picture(name: str, figure: Figure, form: Format) -> Picture:
+    png = as_png(figure)
     pixels = int.from_bytes(png[16:20], "big")
     source = "data:image/png;base64," + base64.b64encode(png).decode("ascii")
-    return Picture(path.name, _CAPTIONS[path.stem], source, pixels * _SCREEN_DPI // DPI)
+    return Picture(f"{name}.{form}", _CAPTIONS[name], source, pixels * _SCREEN_DPI // DPI)

@@ -14,7 +14,7 @@ from subsoil.mapping.soilmap import SoilMap
 from subsoil.mapping.uncertainty import standard_deviation
 from subsoil.plots.semivariance import remark
 from subsoil.survey import Survey
-from subsoil.survey.outlook import Outlook, in_words, outlook
+from subsoil.survey.outlook import SURE, Outlook, in_words, outlook
 from subsoil.survey.progress import Progress
 from subsoil.units import METRIC, Units
 from subsoil.variogram import Fit, name_of
@@ -53,7 +53,8 @@ def headline(
         yield "Cost", f"{survey.spent.money:,.0f} {settings.rates.currency}"
     yield "Mean kriging variance", _variance(survey.mean_kv, units)
     if survey.taken > 1:
-        yield "Outlook", in_units(survey, outlook(survey), units)
+        prospects = outlook(survey)
+        yield "Outlook", _expected(survey, prospects, history, units)
     if history and math.isfinite(history[-1].rmse):
         last = history[-1]
         after = _count(last.samples, "sample", "samples")
@@ -68,6 +69,26 @@ def headline(
     yield (
         "State",
         survey.finished or f"under way, {_count(len(survey.plan.cells), 'stop', 'stops')} planned",
+    )
+
+
+def _expected(survey: Survey, prospects: Outlook, history: Sequence[Progress], units: Units) -> str:
+    """What the survey expects by its own variograms, and whether the error kept to it."""
+    words = f"By its own variograms, {in_units(survey, prospects, units)}"
+    if not history or history[-1].samples != survey.taken or not math.isfinite(history[-1].rmse):
+        return words
+    return f"{words} {promise_kept(prospects, history[-1].rmse, units)}"
+
+
+def promise_kept(prospects: Outlook, rmse: float, units: Units = METRIC) -> str:
+    """Say whether an error in kPa against a known truth is what the map promised, if it did."""
+    unit, promised = units.pressure, prospects.error.rmse(SURE)
+    if not math.isfinite(promised):
+        return ""
+    side = "below" if rmse < promised else "above"
+    return (
+        f"The error against the simulated truth is {unit.text(rmse)}: {side} the "
+        f"{unit.text(promised)} that it was {100 * SURE:.0f} % sure to stay below."
     )
 
 

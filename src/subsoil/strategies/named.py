@@ -28,7 +28,8 @@ STRATEGIES: dict[str, Strategy] = {
 """Strategies by name."""
 
 
-_REGISTRY: Registry[Strategy] = Registry("strategy", "subsoil.strategies", STRATEGIES)
+REGISTRY: Registry[Strategy] = Registry("strategy", "subsoil.strategies", STRATEGIES)
+"""Strategies by name, those of installed packages included."""
 
 
 def strategy_named(
@@ -62,7 +63,7 @@ def strategy_named(
     >>> strategy_named("greedy") is own
     True
     """
-    strategy = _REGISTRY.named(name, allowed)
+    strategy = REGISTRY.named(name, allowed)
     return _with_settings(name, strategy, settings) if settings else strategy
 
 

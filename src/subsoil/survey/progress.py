@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from itertools import accumulate
 from math import nan
 
-from subsoil.survey import apply, opened
+from subsoil.mapping.scores import rmse
+from subsoil.simulation import Truth
+from subsoil.survey import Survey, apply, opened
 from subsoil.survey.events import Event, Opened, Planned
 
 
@@ -32,6 +34,31 @@ class Progress:
     minutes: float
     mean_kv: float
     rmse: float
+
+
+class History:
+    """Observer of a simulated survey that looks at it after every plan, with the truth at hand.
+
+    Attributes
+    ----------
+    entries
+        Where the survey stood after each sample.
+    """
+
+    def __init__(self, truth: Truth) -> None:
+        self.truth, self.entries = truth, list[Progress]()
+
+    def __call__(self, survey: Survey, event: Event) -> None:
+        """Look where a plan was made."""
+        if isinstance(event, Planned) and survey.taken:
+            self.look(survey)
+
+    def look(self, survey: Survey) -> None:
+        """Note where a survey stands."""
+        spent, error = survey.spent, rmse(survey.soil_map.mean, self.truth.kpa)
+        self.entries.append(
+            Progress(spent.samples, spent.metres, spent.minutes, spent.mean_kv, error)
+        )
 
 
 def progress_of(opening: Opened, events: Sequence[Event]) -> tuple[Progress, ...]:

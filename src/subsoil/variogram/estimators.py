@@ -192,7 +192,8 @@ ESTIMATORS: dict[str, LeastSquares | Pooled | Reml] = {
 """Estimators by the name the command line and the journal use."""
 
 
-_REGISTRY: Registry[Own] = Registry("estimator", "subsoil.estimators", ESTIMATORS)
+REGISTRY: Registry[Own] = Registry("estimator", "subsoil.estimators", ESTIMATORS)
+"""Estimators by name, those of installed packages included."""
 
 
 def estimator_named(
@@ -229,7 +230,7 @@ def estimator_named(
     >>> estimator_named("pmc", 444.0).median_range, ESTIMATORS["pmc"].median_range
     (90.0, 45.0)
     """
-    found = _REGISTRY.named(name, allowed)
+    found = REGISTRY.named(name, allowed)
     if isinstance(found, Pooled) and name not in allowed.given:
         found = found.scaled_to(extent_m)
     if settings:

@@ -10,12 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from subsoil import variogram
 from subsoil.bench.conformance import estimators, strategies
 from subsoil.bench.conformance.rule import Rule, Subject, Verdict, verdict
 from subsoil.errors import ParameterError, SubsoilError, brief
 from subsoil.registry import Allowed, Registry, handed_over
-from subsoil.strategies import STRATEGIES
-from subsoil.variogram import ESTIMATORS
+from subsoil.strategies import named
 
 Kind = Literal["strategy", "estimator"]
 
@@ -28,9 +28,9 @@ _TIMED: dict[Kind, Callable[[Subject], float]] = {
     "strategy": strategies.decision_s,
     "estimator": estimators.estimate_s,
 }
-_REGISTRIES: dict[Kind, Registry[Callable[..., Any]]] = {
-    "strategy": Registry("strategy", "subsoil.strategies", STRATEGIES),
-    "estimator": Registry("estimator", "subsoil.estimators", ESTIMATORS),
+_REGISTRIES: dict[Kind, Registry[Any]] = {
+    "strategy": named.REGISTRY,
+    "estimator": variogram.estimators.REGISTRY,
 }
 _ARGUMENTS: dict[int, Kind] = {1: "strategy", 2: "estimator"}
 """What a function is by the number of arguments that it is called with: a view, or places and
