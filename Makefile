@@ -7,7 +7,7 @@ READY = .venv/.ready
 
 OLDEST = .venv-oldest/bin
 
-.PHONY: demo test test-all test-oldest check bench docs clean
+.PHONY: demo test test-all test-oldest check bench docs fuzz clean
 
 demo: $(READY)
 	$(BIN)/subsoil demo --out demo --overwrite
@@ -35,6 +35,10 @@ check: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(TEST) -m "not slow and not gis"
+
+# Twenty thousand broken files; `make test` reads two thousand.
+fuzz: $(READY)
+	SUBSOIL_FUZZ=20000 $(TEST) tests/fuzz
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks
