@@ -80,7 +80,7 @@ def _cells(data: bytes, random: Random) -> bytes:
 def _recoded(data: bytes, random: Random) -> bytes:
     text = data.decode("latin-1")
     code = ("utf-16", "utf-16-le", "cp037", "utf-7", "utf-8")[random.integers(5)]
-    return text.encode(code, "replace")
+    return bytes(text.encode(code, "replace"))
 
 
 def _words(data: bytes, random: Random) -> bytes:

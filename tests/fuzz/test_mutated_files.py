@@ -21,7 +21,8 @@ def test_a_broken_file_is_read_or_refused_in_a_line(first: int) -> None:
     count = min(AT_A_TIME, COUNT - first)
     done = subprocess.run(
         [sys.executable, "-m", "tests.fuzz.reading", str(first), str(count)],
-        cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False, timeout=AT_A_TIME * 11,
+        cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False,
+        timeout=AT_A_TIME * 11,
     )  # fmt: skip
     lines = done.stdout.splitlines()
     wrong = "\n".join(done.stdout.split("WRONG ")[1:])
