@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 
 TUTORIALS = Path(__file__).parents[1] / "docs" / "tutorials"
-PAGES = sorted(TUTORIALS.glob("*.md"))
+PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.stem != "index")
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 
 _FENCE = re.compile(r"^```(python|sh|text)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
