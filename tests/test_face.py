@@ -130,7 +130,9 @@ def test_values_are_short_in_print_and_tables_in_notebooks(files: tuple[Path, Pa
         assert words in repr(value)
         assert len(repr(value)) < 200
         assert "\n" not in repr(value)
-    assert repr(fits).count("\n") == 1
+    first, second, why = repr(fits).split("\n")
+    assert ("0.00-0.05 m: " in first, "0.05-0.10 m: " in second) == (True, True)
+    assert why.startswith("all: pooled posterior mean")
     for shown in (field, soil, plan, run, fits):
         html = shown._repr_html_()
         assert "<svg" in html if shown is field else html.startswith("<table>")

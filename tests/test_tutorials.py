@@ -12,13 +12,14 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 TUTORIALS = Path(__file__).parents[1] / "docs" / "tutorials"
-PAGES = sorted(TUTORIALS.glob("*.md"))
+PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.stem != "index")
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 
 _FENCE = re.compile(r"^```(python|sh|text)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -45,7 +46,7 @@ def steps(page: Path) -> Iterator[Step]:
     """Blocks of Python and shell in order."""
     text = page.read_text(encoding="utf-8")
     found = list(_FENCE.finditer(text))
-    for block, after in zip(found, [*found[1:], None], strict=True):
+    for block, after in zip_longest(found, found[1:]):
         if block[1] != "text":
             line = text.count("\n", 0, block.start()) + 1
             shown = after[2] if after and after[1] == "text" else None

@@ -15,7 +15,6 @@ it.
 import numpy as np
 
 import subsoil as ss
-from subsoil import plots
 from subsoil.simulation import draw_truth
 
 field = ss.Field.from_metres(
@@ -44,5 +43,5 @@ print(fits)
 # The map knows the mean and the variance of every layer in every cell. Circles are the readings.
 
 soil = ss.krige(field, readings, fits)
-figure = plots.depth_slices(soil, caption="40 readings of a simulated soil")
+figure = ss.plots.depth_slices(soil, caption="40 readings of a simulated soil")
 figure

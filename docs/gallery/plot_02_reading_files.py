@@ -19,7 +19,6 @@ from pathlib import Path
 import numpy as np
 
 import subsoil as ss
-from subsoil import plots
 
 folder = Path(tempfile.mkdtemp())
 outline = [[-0.5262, 53.2610], [-0.5241, 53.2608], [-0.5238, 53.2621], [-0.5260, 53.2623]]
@@ -56,7 +55,7 @@ print(*readings.refused, sep="\n")
 
 layers = ss.Layers((0.0, 0.1, 0.2, 0.3))
 soil = ss.krige(field, readings, ss.fit(readings, layers))
-figure = plots.depth_slices(
+figure = ss.plots.depth_slices(
     soil, caption=f"{len(readings)} readings, {len(readings.refused)} left out"
 )
 figure

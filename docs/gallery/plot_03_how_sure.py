@@ -15,7 +15,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import subsoil as ss
-from subsoil import plots
 from subsoil.mapping.uncertainty import probability_above
 from subsoil.simulation import draw_truth
 
@@ -26,7 +25,7 @@ truth = draw_truth(field, rng, layers)
 west = np.flatnonzero(field.cells[:, 0] < 110)
 readings = truth.readings(rng.choice(west, 40, replace=False))
 soil = ss.krige(field, readings, ss.fit(readings, layers))
-figure = plots.std_dev(soil, caption="40 readings of a simulated soil, all in the west")
+figure = ss.plots.std_dev(soil, caption="40 readings of a simulated soil, all in the west")
 figure
 
 # %%

@@ -15,7 +15,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import subsoil as ss
-from subsoil import plots
 from subsoil.simulation import draw_truth
 
 field = ss.Field.from_metres([(0, 0), (180, 0), (180, 130), (0, 130)])
@@ -39,7 +38,9 @@ fits = {name: ss.fit(readings, layers, estimator) for name, estimator in estimat
 
 spherical = fits["spherical"]
 print(spherical[0].why)
-figure = plots.variograms(spherical, ss.krige(field, readings, spherical), caption="least squares")
+figure = ss.plots.variograms(
+    spherical, ss.krige(field, readings, spherical), caption="least squares"
+)
 figure
 
 # %%

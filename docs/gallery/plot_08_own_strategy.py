@@ -18,7 +18,6 @@ registered and nothing inherited.
 import numpy as np
 
 import subsoil as ss
-from subsoil import plots
 
 
 def near_the_threshold(view: ss.View) -> ss.Plan:
@@ -48,9 +47,5 @@ run
 # %%
 # The white line is its way, from the square on.
 
-way = np.vstack([run.settings.start, run.soil_map.at])
-refused = field.cells[list(run.refused)]
-figure = plots.depth_slices(
-    run.soil_map, way=way, refused=refused, caption="a strategy of one's own, simulated"
-)
+figure = ss.plots.depth_slices(run, caption="a strategy of one's own, simulated")
 figure

@@ -16,10 +16,7 @@ decided again from the events before it.
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 import subsoil as ss
-from subsoil import plots
 from subsoil.journal import create, fingerprint, open_journal, read_survey, verify
 from subsoil.survey import LocalDispatch, Settings, fold, opening
 from subsoil.survey.events import Configured
@@ -51,6 +48,5 @@ print(f"fingerprint {fingerprint(content.last[1])}")
 # Opened again it is the survey that it was, with its map and its way.
 
 survey = fold(content.events)
-way = np.vstack([survey.settings.start, survey.soil_map.at])
-figure = plots.depth_slices(survey.soil_map, way=way, caption=f"read from {path.name}; simulated")
+figure = ss.plots.depth_slices(survey, caption=f"read from {path.name}; simulated")
 figure

@@ -103,6 +103,17 @@ def test_error_covariances_of_some_targets_are_those_among_all(kind: Kind) -> No
 
 
 @every_kind
+def test_other_targets_are_kriged_from_the_same_readings(kind: Kind) -> None:
+    kriged, part = kind(AT, Z), TARGETS[5:12]
+    elsewhere = kriged.at_targets(part)
+    assert np.array_equal(elsewhere.targets, part)
+    for some, every in zip(elsewhere.prediction, kriged.prediction, strict=True):
+        assert np.allclose(some, every[..., 5:12], rtol=1e-10)
+    one, other = (k.append((3.0, 4.0), np.ones(3)).prediction for k in (elsewhere, kriged))
+    assert np.allclose(one.mean, other.mean[..., 5:12], rtol=1e-9)
+
+
+@every_kind
 def test_leaving_a_reading_out_is_kriging_without_it(kind: Kind) -> None:
     score = kind(AT, Z).leave_one_out()
     for k in (0, 5, 15):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 
 from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
@@ -285,3 +286,13 @@ def test_a_valid_linear_model_is_left_as_it_is() -> None:
     soil_map = mapped(sample(0), sample(29), models=WITH_LINEAR)
     assert soil_map.notes == ()
     assert soil_map.kriged_with == WITH_LINEAR
+
+
+def test_a_map_predicts_at_other_places_than_its_cells_with_what_it_knows() -> None:
+    soil_map = SoilMap(FIELD, LAYERS, MODELS, tuple(sample(cell) for cell in (2, 9, 14, 21, 28)))
+    mean, variance = soil_map.predict(FIELD.cells[3:9])
+    assert_allclose(mean, soil_map.mean[:, 3:9], rtol=1e-10)
+    assert_allclose(variance, soil_map.variance[:, 3:9], rtol=1e-10)
+    between, _ = soil_map.predict([FIELD.cells[3:5].mean(axis=0)])
+    low, high = np.sort(soil_map.mean[:, 3:5], axis=1).T
+    assert ((between[:, 0] > low - 10) & (between[:, 0] < high + 10)).all()

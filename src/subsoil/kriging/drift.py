@@ -188,6 +188,10 @@ class Drifted:
         grown = self.estimate.append(at, z, error_variance=error_variance)
         return Drifted(grown, self.covariate)
 
+    def at_targets(self, targets: ArrayLike) -> Drifted:
+        """Krige from the same readings at (k, 2) other targets in m."""
+        return Drifted(self.estimate.at_targets(targets), self.covariate)
+
     def variance_drop(self, candidates: ArrayLike) -> Floats:
         """By how much the variance falls everywhere if one of these targets were probed next.
 

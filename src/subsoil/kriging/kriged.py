@@ -38,6 +38,9 @@ class Kriged(Protocol):
     def append(self, at: ArrayLike, z: ArrayLike, *, error_variance: ArrayLike = 0.0) -> Self:
         """Krige from further readings as well; the same as from all at once."""
 
+    def at_targets(self, targets: ArrayLike) -> Self:
+        """Krige from the same readings at (k, 2) other targets in m."""
+
     def error_covariance(self, rows: Indices, columns: Indices | slice = slice(None)) -> Floats:
         """(g, k, l) covariance of the kriging errors of k targets with those of l."""
 

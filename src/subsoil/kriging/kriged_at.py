@@ -118,6 +118,10 @@ class KrigedAt:
         pin(ok.system.readings, pins, mean, variance)
         return _sound(KrigedAt(ok, self.targets, self.base, mean, variance, pins, rows))
 
+    def at_targets(self, targets: ArrayLike) -> KrigedAt:
+        """Krige from the same readings at (k, 2) other targets in m."""
+        return at_targets(self.kriging, targets)
+
     def variance_drop(self, candidates: ArrayLike) -> Floats:
         """By how much the variance falls everywhere if one of these targets were probed next.
 

@@ -61,8 +61,11 @@ class Fits:
         return tuple(fit.variogram for fit in self.fits)
 
     def __repr__(self) -> str:
-        pairs = zip(self.layers.names, self.fits, strict=True)
-        return "\n".join(f"{name}: {in_words(fit)}" for name, fit in pairs)
+        named = list(zip(self.layers.names, self.fits, strict=True))
+        if len(self) > 1 == len({fit.why for fit in self.fits}):
+            lines = [f"{name}: {in_words(fit)}" for name, fit in named]
+            return "\n".join([*lines, f"all: {self.fits[0].why}"])
+        return "\n".join(f"{name}: {in_words(fit)}; {fit.why}" for name, fit in named)
 
     def _repr_html_(self) -> str:
         head = ("layer", "model", "nugget (kPa²)", "sill (kPa²)", "range (m)", "how")
@@ -123,4 +126,5 @@ def in_words(fit: Fit) -> str:
 
 def _numbers(fit: Fit) -> tuple[str, str, str, str]:
     model = fit.variogram
-    return name_of(model), f"{model.nugget:.4g}", f"{model.sill:.4g}", f"{model.range:.0f}"
+    nugget, sill = (f"{x:.0f}" if x >= 100 else f"{x:.3g}" for x in (model.nugget, model.sill))
+    return name_of(model), nugget, sill, f"{model.range:.0f}"

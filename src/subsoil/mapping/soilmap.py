@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import InitVar, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from subsoil.arrays import Floats, Integers
+from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
-from subsoil.kriging import Kriged, at_cells, at_targets, condition
+from subsoil.kriging import Kriged, Prediction, at_cells, at_targets, condition
 from subsoil.kriging.drift import NO_COVARIATE, Covariate, Drifted
 from subsoil.land.field import Field
 from subsoil.layers import Layers, Sample
-from subsoil.mapping.stack import Stack, in_units, measured
+from subsoil.mapping.stack import Stack, in_units, measured, parted
 from subsoil.notebook import table
 from subsoil.variogram import Nested
 from subsoil.variogram.models import Variogram
@@ -155,15 +155,8 @@ class SoilMap:
         return tuple(
             self._followed(before[layers]) if layers in before else self._begun(layers)
             for _, alike in by_reach(self.kpa)
-            for layers in self._by_drift(alike)
+            for layers in parted(alike, self.drift)
         )
-
-    def _by_drift(self, layers: Integers) -> Iterator[tuple[int, ...]]:
-        """Those of some layers that follow no covariate, and those that do."""
-        follows = np.isin(layers, self.drift)
-        for part in (layers[~follows], layers[follows]):
-            if len(part):
-                yield tuple(part.tolist())
 
     def _begun(self, layers: tuple[int, ...]) -> Stack:
         """Krige layers from nothing."""
@@ -187,15 +180,27 @@ class SoilMap:
     @cached_property
     def mean(self) -> Floats:
         """(m, N) kriged kPa; NaN in layers that no sample reached."""
-        return self._laid_out([stack.estimate.prediction.mean for stack in self.stacks])
+        return self._laid_out([stack.mean for stack in self.stacks], len(self.cells))
 
     @cached_property
     def variance(self) -> Floats:
         """(m, N) kriging variance in kPa2; NaN in layers that no sample reached."""
-        return self._laid_out([stack.variance for stack in self.stacks])
+        return self._laid_out([stack.variance for stack in self.stacks], len(self.cells))
 
-    def _laid_out(self, by_stack: Sequence[Floats]) -> Floats:
-        result = np.full((len(self.layers), len(self.cells)), np.nan)
+    def predict(self, places: ArrayLike) -> Prediction:
+        """Mean and variance at (k, 2) places in m, each (m, k) in kPa and kPa2; NaN as in mean.
+
+        What follows a covariate takes its value at the nearest place where it is known.
+        """
+        at = np.asarray(places, dtype=float)
+        stacks = [stack.at_targets(at) for stack in self.stacks]
+        return Prediction(
+            self._laid_out([stack.mean for stack in stacks], len(at)),
+            self._laid_out([stack.variance for stack in stacks], len(at)),
+        )
+
+    def _laid_out(self, by_stack: Sequence[Floats], places: int) -> Floats:
+        result = np.full((len(self.layers), places), np.nan)
         for stack, values in zip(self.stacks, by_stack, strict=True):
             result[list(stack.layers)] = values
         result.setflags(write=False)

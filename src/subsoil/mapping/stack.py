@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from subsoil.arrays import Floats, Integers
 from subsoil.kriging import Kriged
@@ -37,9 +38,18 @@ class Stack:
     samples: int
 
     @property
+    def mean(self) -> Floats:
+        """(g, N) kriged means of the layers."""
+        return self.estimate.prediction.mean
+
+    @property
     def variance(self) -> Floats:
         """(g, N) kriging variance of the layers."""
         return self.unit[:, None] * self.estimate.prediction.variance
+
+    def at_targets(self, targets: ArrayLike) -> Stack:
+        """The same layers kriged from the same samples at (k, 2) other places in m."""
+        return replace(self, estimate=self.estimate.at_targets(targets))
 
     def variance_drop(self, cells: Integers) -> Floats:
         """(g, k, N) fall of the variance if one of k cells were probed."""
@@ -62,6 +72,14 @@ def in_units(
     if isinstance(first, Nested) and alike and not error.any():
         return first.with_sill(1.0), np.array([model.sill for model in models])
     return (first if len(set(models)) == 1 else models), np.ones(1)
+
+
+def parted(layers: Integers, drift: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """Those of some layers that follow no covariate, and those that do."""
+    follows = np.isin(layers, drift)
+    for part in (layers[~follows], layers[follows]):
+        if len(part):
+            yield tuple(part.tolist())
 
 
 def measured(samples: Sequence[Sample], layers: tuple[int, ...]) -> tuple[Floats, Floats, Floats]:

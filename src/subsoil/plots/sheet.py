@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from subsoil.errors import ParameterError, printable
 from subsoil.optional import FIGURES, load
@@ -219,9 +219,7 @@ def blank(size: Room, title: str, caption: str, figure: Drawn | None = None) -> 
         If matplotlib is not installed.
     """
     width, height = size
-    drawn: Drawn = figure or load("matplotlib.figure", *FIGURES[1:]).Figure(
-        figsize=size, facecolor="white"
-    )
+    drawn: Drawn = figure or _new(size)
     for text, down, most, colour in ((title, 0.14, TITLE, INK), (caption, 0.42, TEXT, FAINT)):
         said = printable(text)
         points = max(_SMALLEST * most, min(most, width * _LETTERS / max(1, len(said))))
@@ -235,6 +233,13 @@ def blank(size: Room, title: str, caption: str, figure: Drawn | None = None) -> 
             parse_math=False,
         )
     return drawn
+
+
+def _new(size: Room) -> Any:
+    load("matplotlib.figure", *FIGURES[1:])
+    from subsoil.plots.picture import Picture  # matplotlib is loaded by the first picture
+
+    return Picture(figsize=size, facecolor="white")
 
 
 def size_of(figure: Canvas) -> Room:
