@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from subsoil.cli.parsing import FIELD, STRATEGY, one_of
+from subsoil.io.read.recording import UNITS
 
 Boundary = Annotated[
     Path,
@@ -67,14 +68,27 @@ OptionalConeArea = Annotated[
     ),
 ]
 ReadingsFile = Annotated[
-    Path, typer.Argument(help="Readings (robot YAML or CSV) or a survey file.", metavar="READINGS")
+    Path,
+    typer.Argument(
+        help="Readings (table, workbook, points, an instrument's file) or a survey file.",
+        metavar="READINGS",
+    ),
 ]
 ReadingUnit = Annotated[
     str | None,
     typer.Option(
         metavar="UNIT",
-        help="Unit of the readings where the file does not say: kpa, mpa, psi or n.",
-        autocompletion=one_of(("kpa", "mpa", "psi", "n")),
+        help=f"Unit of the readings where the file does not say: {', '.join(UNITS)}.",
+        autocompletion=one_of(UNITS),
+        rich_help_panel=FIELD,
+    ),
+]
+Mapped = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="HEADING=MEANING",
+        help="What a heading of a table means: latitude, easting, number, depth cm, "
+        "kpa at 10 cm, kpa 10-20 cm, ignore; may be repeated.",
         rich_help_panel=FIELD,
     ),
 ]

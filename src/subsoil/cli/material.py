@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from subsoil.arrays import Floats
-from subsoil.cli.field import Crs, Edges, OptionalConeArea, ReadingsFile, ReadingUnit
+from subsoil.cli.field import Crs, Edges, Mapped, OptionalConeArea, ReadingsFile, ReadingUnit
 from subsoil.cli.options import (
     DEFAULT_EDGES,
     EstimatorName,
@@ -17,10 +17,10 @@ from subsoil.cli.options import (
     layers_of,
     numbers,
 )
-from subsoil.errors import ParameterError
+from subsoil.errors import ParameterError, brief
 from subsoil.findings import left_out
 from subsoil.io.read.readings import read_readings
-from subsoil.journal import read_events
+from subsoil.journal import is_foreign, read_events
 from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
 from subsoil.layers import Layers
@@ -82,7 +82,7 @@ class MaterialOptions:
 
     Attributes
     ----------
-    readings, layers, cone_area, reading_unit, crs
+    readings, layers, cone_area, reading_unit, crs, map
         The file, and how to read it.
     estimator, setting
         How variograms are estimated.
@@ -95,6 +95,7 @@ class MaterialOptions:
     cone_area: OptionalConeArea = None
     reading_unit: ReadingUnit = None
     crs: Crs = None
+    map: Mapped = None
 
     def read(self, field: Field | None) -> Material:
         """Readings of the file or the survey, those of a field if there is one.
@@ -104,7 +105,7 @@ class MaterialOptions:
         ParameterError
             If there are fewer than three.
         """
-        if self.readings.suffix.lower() == ".gpkg":
+        if self.readings.suffix.lower() == ".gpkg" and not is_foreign(self.readings):
             survey = fold(read_events(self.readings))
             readings = readings_of(survey)
             if field is not None:
@@ -112,7 +113,12 @@ class MaterialOptions:
             return _enough(Material(readings, survey.layers), self.readings)
         cone = Cone(self.cone_area) if self.cone_area is not None else None
         readings = read_readings(
-            self.readings, field=field, crs=self.crs, cone=cone, units=self.reading_unit
+            self.readings,
+            field=field,
+            crs=self.crs,
+            cone=cone,
+            units=self.reading_unit,
+            meanings=meanings_of(self.map),
         )
         layers = layers_of(self.layers)
         fine = finer_than_readings(readings, layers)
@@ -129,6 +135,32 @@ class MaterialOptions:
         """
         extent_m = material.readings.extent_m
         return estimator_named(self.estimator, extent_m, numbers(self.setting))
+
+
+def meanings_of(mapped: list[str] | None) -> dict[str, str]:
+    """What headings mean, given as ``heading=meaning``.
+
+    Raises
+    ------
+    ParameterError
+        If one has no heading or no meaning.
+
+    Examples
+    --------
+    >>> meanings_of(["pen1=kpa at 10 cm", "x=y=easting"])
+    {'pen1': 'kpa at 10 cm', 'x=y': 'easting'}
+    """
+    found = {}
+    for each in mapped or ():
+        heading, _, meaning = each.rpartition("=")
+        if not (heading.strip() and meaning.strip()):
+            raise ParameterError(
+                f"{brief(each)!r} is not heading=meaning",
+                where="--map",
+                remedy="for instance --map 'pen1=kpa at 10 cm'",
+            )
+        found[heading.strip()] = meaning.strip()
+    return found
 
 
 def _enough(material: Material, path: Path) -> Material:

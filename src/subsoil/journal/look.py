@@ -6,8 +6,9 @@ import sqlite3
 from dataclasses import replace
 from pathlib import Path
 
+from subsoil.errors import JournalError
 from subsoil.journal import owner
-from subsoil.journal.connection import reading
+from subsoil.journal.connection import explained, reading
 from subsoil.journal.content import Content, Last, content_of, last_of
 from subsoil.journal.marks import marks
 from subsoil.journal.publish import published
@@ -31,6 +32,20 @@ def read_survey(path: Path) -> Content:
 def read_events(path: Path) -> tuple[Event, ...]:
     """Events of a survey file, as :func:`read_survey` finds them."""
     return read_survey(path).events
+
+
+def is_foreign(path: Path) -> bool:
+    """Whether a file is a GeoPackage of another program, with layers and no survey."""
+    try:
+        with explained(path):
+            database = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)
+            try:
+                names = {row[0] for row in database.execute("SELECT name FROM sqlite_master")}
+            finally:
+                database.close()
+    except JournalError:
+        return False
+    return "gpkg_contents" in names and not {"events", owner.OWNER} <= names
 
 
 def last_event(path: Path) -> Last:

@@ -7,6 +7,7 @@ others are used: nothing is dropped in silence, and nothing is mended by guessin
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,8 @@ from subsoil.io.read.places import Places, elsewhere, outside
 from subsoil.io.read.plausible import strength_doubts
 from subsoil.io.read.recording import Recording, kpa_per_unit
 from subsoil.io.read.screening import Push, screened
-from subsoil.io.read.table import looks_like_table, read_table
+from subsoil.io.read.sheet import NO_MEANINGS, Meanings
+from subsoil.io.read.tables import SHEETS, read_sheets
 from subsoil.io.read.text import check_file
 from subsoil.land.field import Field
 from subsoil.penetrometer import Cone
@@ -28,7 +30,10 @@ from subsoil.readings import Readings, extent_of
 
 READERS: dict[str, Reader] = {
     **INSTRUMENTS,
-    "table": Reader("table of readings", looks_like_table, read_table),
+    **{
+        name: Reader(kind.name, kind.sniff, partial(read_sheets, kind))
+        for name, kind in SHEETS.items()
+    },
 }
 """In the order in which they are asked whether a file is theirs."""
 _HEAD = 4096
@@ -42,6 +47,7 @@ def read_readings(
     cone: Cone | None = None,
     units: str | None = None,
     reader: str = "",
+    meanings: Meanings = NO_MEANINGS,
 ) -> Readings:
     """Read readings from an instrument's file or a table.
 
@@ -63,6 +69,8 @@ def read_readings(
         Unit of pressure or force, where the file does not say.
     reader
         Name of one of :data:`READERS`, where the content does not tell.
+    meanings
+        What headings of a table mean, where they do not say: ``{"pen1": "kpa at 10 cm"}``.
 
     Raises
     ------
@@ -75,7 +83,7 @@ def read_readings(
         If the CRS is unknown or cannot be brought to the field's.
     """
     path = Path(path)
-    recording = _recording(path, reader)
+    recording = _recording(path, reader, meanings, units or "")
     records, codes = without_codes(recording.records, path.name)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
     pushes, unfit = screened(records, factor, recording.frame, path.name)
@@ -100,21 +108,31 @@ def read_readings(
     )
 
 
-def _recording(path: Path, reader: str) -> Recording:
+def _recording(path: Path, reader: str, meanings: Meanings, unit: str) -> Recording:
     check_file(path, ReadingsError)
-    if reader:
-        if reader not in READERS:
-            raise ReadingsError(
-                f"there is no reader {reader!r}",
-                where=path.name,
-                remedy=f"one of {', '.join(READERS)}",
-            )
-        return READERS[reader].read(path)
+    name = reader or _sniffed(path)
+    if name not in READERS:
+        raise ReadingsError(
+            f"there is no reader {name!r}", where=path.name, remedy=f"one of {', '.join(READERS)}"
+        )
+    if name in SHEETS:
+        return read_sheets(SHEETS[name], path, meanings, unit=unit)
+    if meanings:
+        raise ReadingsError(
+            f"it is of a {READERS[name].name}, and has no headings to map",
+            where=path.name,
+            remedy="leave --map out",
+        )
+    return READERS[name].read(path)
+
+
+def _sniffed(path: Path) -> str:
+    """Name of the reader of a file by its first bytes and its name."""
     with path.open("rb") as file:
         head = file.read(_HEAD)
-    for each in READERS.values():
+    for name, each in READERS.items():
         if each.sniff(head, path.name):
-            return each.read(path)
+            return name
     raise ReadingsError(
         "nothing here reads it as readings",
         where=path.name,

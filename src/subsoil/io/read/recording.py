@@ -13,6 +13,7 @@ from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief
 from subsoil.findings import Finding
 from subsoil.penetrometer import Cone
+from subsoil.reports import Ending
 
 KPA = {
     "kpa": 1.0,
@@ -61,6 +62,8 @@ class Record:
         When it was taken, in the time of the instrument; ``None`` if the file does not say.
     cone
         What it was taken with; ``None`` if the file does not say.
+    ending
+        What ended it; ``"force"`` where the file says of its last value that it is that or more.
     """
 
     row: int
@@ -72,6 +75,7 @@ class Record:
     number: str = ""
     time: datetime | None = None
     cone: Cone | None = None
+    ending: Ending = "stroke"
 
 
 @dataclass(frozen=True)

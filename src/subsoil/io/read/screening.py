@@ -77,6 +77,9 @@ def _check_degrees(longitude: float, latitude: float) -> None:
 def _profile(record: Record, kpa_per_unit: float) -> tuple[Profile, Floats]:
     """Profile of a record down to its last reading, and the depths in it that are not known."""
     depth_m, kpa = record.depth_m, record.values * kpa_per_unit
+    tops = record.top_m
+    if kpa.size and kpa.min() > 0 and kpa.max() <= HARDEST_KPA:
+        return Profile(depth_m, kpa, record.ending, tops), np.empty(0)
     wrong = np.flatnonzero((kpa < 0) | (kpa > HARDEST_KPA))
     if wrong.size:
         raise ValueError(
@@ -89,6 +92,6 @@ def _profile(record: Record, kpa_per_unit: float) -> tuple[Profile, Floats]:
     end = reached[-1] + 1
     known: Bools = ~np.isnan(kpa[:end])
     known[reached[0] :] &= kpa[reached[0] : end] > 0
-    tops = record.top_m if record.top_m.size else np.concatenate([[0.0], depth_m[:-1]])
-    profile = Profile(depth_m[:end][known], kpa[:end][known], top_m=tops[:end][known])
+    tops = tops if tops.size else np.concatenate([[0.0], depth_m[:-1]])
+    profile = Profile(depth_m[:end][known], kpa[:end][known], record.ending, tops[:end][known])
     return profile, depth_m[:end][~known]
