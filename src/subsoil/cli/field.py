@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from subsoil.cli.parsing import FIELD, STRATEGY, one_of
+from subsoil.io.read.readings import READERS
 
 Boundary = Annotated[
     Path,
@@ -67,7 +68,10 @@ OptionalConeArea = Annotated[
     ),
 ]
 ReadingsFile = Annotated[
-    Path, typer.Argument(help="Readings (robot YAML or CSV) or a survey file.", metavar="READINGS")
+    Path,
+    typer.Argument(
+        help="Readings (an instrument's file, a table) or a survey.", metavar="READINGS"
+    ),
 ]
 ReadingUnit = Annotated[
     str | None,
@@ -75,6 +79,26 @@ ReadingUnit = Annotated[
         metavar="UNIT",
         help="Unit of the readings where the file does not say: kpa, mpa, psi or n.",
         autocompletion=one_of(("kpa", "mpa", "psi", "n")),
+        rich_help_panel=FIELD,
+    ),
+]
+ReaderName = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="What wrote the readings, where the file does not tell, or a reader of your own, "
+        "`module:function`. `subsoil doctor` lists them.",
+        autocompletion=one_of(READERS),
+        show_default=False,
+        rich_help_panel=FIELD,
+    ),
+]
+PositionsFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Where pushes were, by number or time, if the instrument does not say: "
+        "CSV, GPX, GeoJSON, GeoPackage.",
         rich_help_panel=FIELD,
     ),
 ]

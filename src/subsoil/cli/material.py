@@ -9,7 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from subsoil.arrays import Floats
-from subsoil.cli.field import Crs, Edges, OptionalConeArea, ReadingsFile, ReadingUnit
+from subsoil.cli.field import (
+    Crs,
+    Edges,
+    OptionalConeArea,
+    PositionsFile,
+    ReaderName,
+    ReadingsFile,
+    ReadingUnit,
+)
 from subsoil.cli.options import (
     DEFAULT_EDGES,
     EstimatorName,
@@ -82,7 +90,7 @@ class MaterialOptions:
 
     Attributes
     ----------
-    readings, layers, cone_area, reading_unit, crs
+    readings, layers, cone_area, reading_unit, crs, reader, positions
         The file, and how to read it.
     estimator, setting
         How variograms are estimated.
@@ -95,6 +103,8 @@ class MaterialOptions:
     cone_area: OptionalConeArea = None
     reading_unit: ReadingUnit = None
     crs: Crs = None
+    reader: ReaderName = ""
+    positions: PositionsFile = None
 
     def read(self, field: Field | None) -> Material:
         """Readings of the file or the survey, those of a field if there is one.
@@ -104,7 +114,7 @@ class MaterialOptions:
         ParameterError
             If there are fewer than three.
         """
-        if self.readings.suffix.lower() == ".gpkg":
+        if self.readings.suffix.lower() == ".gpkg" and not self.reader:
             survey = fold(read_events(self.readings))
             readings = readings_of(survey)
             if field is not None:
@@ -112,7 +122,13 @@ class MaterialOptions:
             return _enough(Material(readings, survey.layers), self.readings)
         cone = Cone(self.cone_area) if self.cone_area is not None else None
         readings = read_readings(
-            self.readings, field=field, crs=self.crs, cone=cone, units=self.reading_unit
+            self.readings,
+            field=field,
+            crs=self.crs,
+            cone=cone,
+            units=self.reading_unit,
+            reader=self.reader,
+            positions=self.positions,
         )
         layers = layers_of(self.layers)
         fine = finer_than_readings(readings, layers)

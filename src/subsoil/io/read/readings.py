@@ -6,7 +6,8 @@ others are used: nothing is dropped in silence, and nothing is mended by guessin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,9 @@ from subsoil.findings import Finding, left_out
 from subsoil.io.read.instruments import INSTRUMENTS, Reader
 from subsoil.io.read.missing import without_codes
 from subsoil.io.read.places import Places, elsewhere, outside
-from subsoil.io.read.plausible import strength_doubts
+from subsoil.io.read.plausible import doubts, stray
+from subsoil.io.read.position_files import read_positions
+from subsoil.io.read.positions import located
 from subsoil.io.read.recording import Recording, kpa_per_unit
 from subsoil.io.read.screening import Push, screened
 from subsoil.io.read.table import looks_like_table, read_table
@@ -25,12 +28,19 @@ from subsoil.io.read.text import check_file
 from subsoil.land.field import Field
 from subsoil.penetrometer import Cone
 from subsoil.readings import Readings, extent_of
+from subsoil.registry import Registry, handed_over
+
+Read = Callable[[Path], Recording]
 
 READERS: dict[str, Reader] = {
     **INSTRUMENTS,
     "table": Reader("table of readings", looks_like_table, read_table),
 }
 """In the order in which they are asked whether a file is theirs."""
+READER_POINTS = "subsoil.readers"
+"""Entry points at which installed packages offer a :class:`Reader`; these are asked first."""
+
+_REGISTRY: Registry[Read] = Registry("reader", READER_POINTS, READERS)
 _HEAD = 4096
 
 
@@ -41,7 +51,8 @@ def read_readings(
     crs: str | None = None,
     cone: Cone | None = None,
     units: str | None = None,
-    reader: str = "",
+    reader: str | Read = "",
+    positions: str | Path | None = None,
 ) -> Readings:
     """Read readings from an instrument's file or a table.
 
@@ -62,7 +73,10 @@ def read_readings(
     units
         Unit of pressure or force, where the file does not say.
     reader
-        Name of one of :data:`READERS`, where the content does not tell.
+        Where the content does not tell: name of one of :data:`READERS`, ``module:attribute``, or
+        a function from a path to a :class:`~subsoil.io.read.recording.Recording`.
+    positions
+        File with the places of pushes by number or time, where the instrument has none.
 
     Raises
     ------
@@ -75,7 +89,8 @@ def read_readings(
         If the CRS is unknown or cannot be brought to the field's.
     """
     path = Path(path)
-    recording = _recording(path, reader)
+    places = read_positions(positions) if positions is not None else None
+    recording = located(_recording(path, reader), places, path.name)
     records, codes = without_codes(recording.records, path.name)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
     pushes, unfit = screened(records, factor, recording.frame, path.name)
@@ -84,14 +99,18 @@ def read_readings(
         raise _none_usable(left_out(findings), path.name)
     rows = np.array([push.record.row for push in pushes], dtype=np.int64)
     at, home = _places(pushes, recording, path.name).metres(field, crs or recording.crs or None)
-    inside = np.ones(len(rows), dtype=bool)
     if field is not None:
         inside = _inside(at, field, _places(pushes, recording, path.name), crs)
         findings += outside(rows[~inside], at[~inside], field, path.name)
-    findings += strength_doubts([push.profile for push in pushes], path.name)
+    else:
+        strays = stray(at, rows, path.name)
+        inside = ~np.isin(rows, [finding.row for finding in left_out(strays)])
+        findings += strays
+    kept = [push for push, here in zip(pushes, inside, strict=True) if here]
+    findings += doubts(kept, at[inside], recording.frame, cone, path.name)
     return Readings(
         at[inside],
-        tuple(push.profile for push, kept in zip(pushes, inside, strict=True) if kept),
+        tuple(push.profile for push in kept),
         extent_of(at[inside]) if field is None else field.extent_m,
         rows[inside],
         home,
@@ -100,19 +119,13 @@ def read_readings(
     )
 
 
-def _recording(path: Path, reader: str) -> Recording:
+def _recording(path: Path, reader: str | Read) -> Recording:
     check_file(path, ReadingsError)
     if reader:
-        if reader not in READERS:
-            raise ReadingsError(
-                f"there is no reader {reader!r}",
-                where=path.name,
-                remedy=f"one of {', '.join(READERS)}",
-            )
-        return READERS[reader].read(path)
+        return _REGISTRY.named(*handed_over(reader))(path)
     with path.open("rb") as file:
         head = file.read(_HEAD)
-    for each in READERS.values():
+    for each in (*_installed(), *READERS.values()):
         if each.sniff(head, path.name):
             return each.read(path)
     raise ReadingsError(
@@ -120,6 +133,12 @@ def _recording(path: Path, reader: str) -> Recording:
         where=path.name,
         remedy=f"save it as CSV, or name one of the readers {', '.join(READERS)}",
     )
+
+
+def _installed() -> Iterator[Reader]:
+    """Readers of installed packages."""
+    found = (point.load() for point in entry_points(group=READER_POINTS))
+    return (each for each in found if isinstance(each, Reader))
 
 
 def _places(pushes: Sequence[Push], recording: Recording, file: str) -> Places:

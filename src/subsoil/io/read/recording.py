@@ -61,6 +61,8 @@ class Record:
         When it was taken, in the time of the instrument; ``None`` if the file does not say.
     cone
         What it was taken with; ``None`` if the file does not say.
+    seconds
+        (k,) times in s at which each depth was reached, if the file says so; else empty.
     """
 
     row: int
@@ -72,6 +74,7 @@ class Record:
     number: str = ""
     time: datetime | None = None
     cone: Cone | None = None
+    seconds: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True)
