@@ -90,7 +90,9 @@ def strength(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
         seen = f"the typical reading is {typical:.4g} kPa, harder than almost any soil"
         done = "check the unit: kPa under a heading of psi? the cone area?"
     elif typical < _SOFTEST_KPA or (typical < _SOFT_KPA and deep):
-        seen = f"the typical reading is {typical:.3g} kPa, softer than almost any soil"
+        how = "a small part of any soil's strength"
+        how = how if typical < _SOFTEST_KPA else "softer than almost any soil"
+        seen = f"the typical reading is {typical:.3g} kPa, {how}"
         units = [
             f"{unit} would be {factor * typical:.4g} kPa"
             for unit, factor in (("MPa", KPA["mpa"]), ("psi", KPA["psi"]), ("bar", KPA["bar"]))

@@ -134,7 +134,7 @@ def crowded(x: Floats, y: Floats, rows: Integers, file: str) -> Iterator[Finding
 def coarse(x: Floats, y: Floats, frame: Frame, file: str) -> Iterator[Finding]:
     """Say if positions are rounded to more than the accuracy of a receiver."""
     both = np.concatenate([x, y])
-    if len(x) < _FEWEST or min(np.unique(x).size, np.unique(y).size) < 3:
+    if len(x) < _FEWEST or max(np.ptp(x), np.ptp(y)) == 0:
         return
     if frame == "lonlat":
         step = _degrees_step(both) * _METRES_A_DEGREE
@@ -157,6 +157,6 @@ def _degrees_step(values: Floats) -> float:
 
 
 def _rounded(step_m: float, file: str) -> Finding:
-    seen = f"positions are rounded to steps of {step_m:.2g} m"
-    done = f"each may be {step_m / 2:.2g} m off; export more decimals"
+    seen = f"positions are rounded to steps of {step_m:.0f} m"
+    done = f"each may be {step_m / 2:.0f} m off; export more decimals"
     return Finding(seen, done, "doubt", file)

@@ -45,6 +45,7 @@ _DEPTH = re.compile(r"(\d+(?:[.,]\d+)?)\s*(cm|in|inch|inches|\")?", re.IGNORECAS
 _PUSH = re.compile(r"n\s*=\s*(\d+)", re.IGNORECASE)
 _CONES = {"1/2 inch": SMALL_CONE, "3/4 inch": LARGE_CONE}
 _FIRST_DEPTH = 3
+_CUT = ("the file ends in the middle of this push", "its last cell is left out")
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,10 @@ def read(path: Path) -> Recording:
     rest = [(row, line) for row, line in enumerate(lines[top + 1 :], top + 2) if line.strip()]
     for row, line in rest:
         cells = _cells(line, layout.delimiter)
+        cut = row == rest[-1][0] and _is_cut(cells, layout)
+        cells = cells[:-1] if cut else cells
         if any(_PUSH.fullmatch(cell) for cell in cells[:_FIRST_DEPTH]):
+            findings += [Finding(*_CUT, "left out", path.name, row)] if cut else []
             try:
                 records.append(_record(row, cells, layout))
             except ValueError as error:
@@ -95,10 +99,12 @@ def read(path: Path) -> Recording:
         elif not _is_known(line, lines[: top + 1]):
             seen = f"{brief(line.strip())!r} is no reading of this instrument"
             findings.append(Finding(seen, "left out", "left out", path.name, row))
-    if rest:
-        records, cut = _without_cut(records, layout, *rest[-1], path.name)
-        findings += cut
     return _recording(records, findings, layout, path.name)
+
+
+def _is_cut(cells: Sequence[str], layout: _Layout) -> bool:
+    """Whether the last row of a file ends before the name of the cone does."""
+    return layout.has_cone and _cone(cells) is None
 
 
 def _is_heading(line: str) -> bool:
@@ -157,7 +163,7 @@ def _record(row: int, cells: Sequence[str], layout: _Layout) -> Record:
     values = list(cells[_FIRST_DEPTH:])
     while values and not values[-1]:
         values.pop()
-    cone = _CONES.get(" ".join(values[-1].lower().split())) if values else None
+    cone = _cone(values)
     values = values[:-1] if cone else values
     if len(values) > len(layout.names):
         raise ValueError(f"{len(values)} values do not pair with {len(layout.names)} depths")
@@ -183,24 +189,10 @@ def _strength(cell: str, name: str) -> float:
     return value
 
 
-def _without_cut(
-    records: list[Record], layout: _Layout, row: int, line: str, file: str
-) -> tuple[list[Record], list[Finding]]:
-    """Records without the last number of a file that ends in the middle of its last row."""
-    whole = not layout.has_cone or "inch" in line.lower()
-    if whole or not records or records[-1].row != row:
-        return records, []
-    last = records[-1]
-    known = np.flatnonzero(np.isfinite(last.values))
-    if not known.size:
-        return records, []
-    values = last.values.copy()
-    values[known[-1]] = np.nan
-    seen = "the file ends in the middle of this push"
-    done = "its last number is left out"
-    column = layout.names[-last.values.size :][known[-1]]
-    cut = Finding(seen, done, "left out", file, row, column)
-    return [*records[:-1], replace(last, values=values)], [cut]
+def _cone(cells: Sequence[str]) -> Cone | None:
+    """Cone that a row ends with."""
+    last = next((cell for cell in reversed(cells) if cell), "")
+    return _CONES.get(" ".join(last.lower().split()))
 
 
 def _recording(
