@@ -82,6 +82,7 @@ def located(recording: Recording, positions: Positions | None, file: str) -> Rec
             remedy=f"give positions in the frame of {file}",
         )
     taken, findings = _joined(lacking, positions, file)
+    findings += _spare(recording.records, positions)
     if not (taken or own):
         raise ReadingsError(
             f"none of {len(lacking)} pushes gets a position from {positions.file}; {findings[0]}",
@@ -158,8 +159,7 @@ def _joined(
             findings.append(Finding(seen, "left out", "left out", file, each.row))
         else:
             taken.append((each, matches[id(each)][0]))
-    findings += [*_shared(taken, file), *_spare(taken, positions)]
-    return taken, findings
+    return taken, [*findings, *_shared(taken, file)]
 
 
 def _key(number: str) -> str:
@@ -239,10 +239,11 @@ def _shared(taken: Taken, file: str) -> Iterator[Finding]:
             yield Finding(seen, "check their numbers or times", "doubt", file, rows[0])
 
 
-def _spare(taken: Taken, positions: Positions) -> Iterator[Finding]:
-    """A note on positions with a number that no push takes."""
-    used = {_key(positions.numbers[k]) for _, k in taken}
-    spare = [number for number in positions.numbers if number and _key(number) not in used]
-    if spare:
+def _spare(records: Sequence[Record], positions: Positions) -> Iterator[Finding]:
+    """A note on positions with a number that no push has, where others have one."""
+    known = {_key(record.number) for record in records}
+    numbers = [number for number in positions.numbers if number]
+    spare = [number for number in numbers if _key(number) not in known]
+    if spare and len(spare) < len(numbers):
         seen = f"{len(spare)} positions are of no push: {listed(spare)}"
         yield Finding(seen, "not used", file=positions.file)
