@@ -88,8 +88,8 @@ def _words(data: bytes, random: Random) -> bytes:
     found = list(re.finditer(rb"[A-Za-z_]{2,}", data))
     if len(found) < 2:
         return data
-    a, b = (found[k] for k in random.integers(0, len(found), 2))
-    return data[: a.start()] + b[0] + data[a.end() :]
+    a, b = (found[k].span() for k in random.integers(0, len(found), 2).tolist())
+    return data[: a[0]] + data[slice(*b)] + data[a[1] :]
 
 
 MUTATIONS: tuple[Callable[[bytes, Random], bytes], ...] = (

@@ -1,7 +1,7 @@
 """Read mutated files one after the other, and say of which something is wrong.
 
-Run as ``python -m tests.fuzz.reading FIRST COUNT``: a process of its own, so that a crash, a hang or
-a run on the memory ends no test but is said.
+Run as ``python -m tests.fuzz.reading FIRST COUNT``: a process of its own, so that a crash, a hang
+or a run on the memory ends no test but is said.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ from importlib.metadata import PackageNotFoundError, requires, version
 import typer
 
 from subsoil.cli.output import AsJson, tell, tell_table
+from subsoil.io.read.readings import READERS
 from subsoil.optional import install
 
 _EXTRAS = ("geo", "plot", "data", "dask")
@@ -67,6 +68,7 @@ def doctor(as_json: AsJson = False) -> None:
             "extras": {each.name: each.version for each in libraries if each.extra},
             "missing": missing,
             "remedies": {each.name: each.remedy for each in libraries if not each.version},
+            "readers": {name: reader.name for name, reader in READERS.items()},
         }
         tell({**machine, **found}, as_json)
     else:
@@ -75,6 +77,8 @@ def doctor(as_json: AsJson = False) -> None:
         rows = [(each.name, each.found, "" if each.version else each.remedy) for each in libraries]
         shown = 2 if all(each.version for each in libraries) else 3
         tell_table("Libraries", columns[:shown], [row[:shown] for row in rows])
+        files = [(name, reader.name) for name, reader in READERS.items()]
+        tell_table("Readings are read from", ("reader", "files of"), files)
     if missing:
         raise typer.Exit(1)
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from subsoil.cli.parsing import FIELD, STRATEGY, one_of
+from subsoil.io.read.readings import READERS
 from subsoil.io.read.recording import UNITS
 
 Boundary = Annotated[
@@ -89,6 +90,26 @@ Mapped = Annotated[
         metavar="HEADING=MEANING",
         help="What a heading of a table means: latitude, easting, number, depth cm, "
         "kpa at 10 cm, kpa 10-20 cm, ignore; may be repeated.",
+        rich_help_panel=FIELD,
+    ),
+]
+ReaderName = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="What wrote the readings, where the file does not tell, or a reader of your own, "
+        "`module:function`. `subsoil doctor` lists them.",
+        autocompletion=one_of(READERS),
+        show_default=False,
+        rich_help_panel=FIELD,
+    ),
+]
+PositionsFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Where pushes were, by number or time, if the instrument does not say: "
+        "CSV, GPX, GeoJSON, GeoPackage.",
         rich_help_panel=FIELD,
     ),
 ]

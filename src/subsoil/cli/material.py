@@ -9,7 +9,16 @@ from pathlib import Path
 import numpy as np
 
 from subsoil.arrays import Floats
-from subsoil.cli.field import Crs, Edges, Mapped, OptionalConeArea, ReadingsFile, ReadingUnit
+from subsoil.cli.field import (
+    Crs,
+    Edges,
+    Mapped,
+    OptionalConeArea,
+    PositionsFile,
+    ReaderName,
+    ReadingsFile,
+    ReadingUnit,
+)
 from subsoil.cli.options import (
     DEFAULT_EDGES,
     EstimatorName,
@@ -82,7 +91,7 @@ class MaterialOptions:
 
     Attributes
     ----------
-    readings, layers, cone_area, reading_unit, crs, map
+    readings, layers, cone_area, reading_unit, crs, map, reader, positions
         The file, and how to read it.
     estimator, setting
         How variograms are estimated.
@@ -96,6 +105,8 @@ class MaterialOptions:
     reading_unit: ReadingUnit = None
     crs: Crs = None
     map: Mapped = None
+    reader: ReaderName = ""
+    positions: PositionsFile = None
 
     def read(self, field: Field | None) -> Material:
         """Readings of the file or the survey, those of a field if there is one.
@@ -105,7 +116,8 @@ class MaterialOptions:
         ParameterError
             If there are fewer than three.
         """
-        if self.readings.suffix.lower() == ".gpkg" and not is_foreign(self.readings):
+        may_be_survey = self.readings.suffix.lower() == ".gpkg" and not self.reader
+        if may_be_survey and not is_foreign(self.readings):
             survey = fold(read_events(self.readings))
             readings = readings_of(survey)
             if field is not None:
@@ -119,6 +131,8 @@ class MaterialOptions:
             cone=cone,
             units=self.reading_unit,
             meanings=meanings_of(self.map),
+            reader=self.reader,
+            positions=self.positions,
         )
         layers = layers_of(self.layers)
         fine = finer_than_readings(readings, layers)

@@ -13,8 +13,8 @@ from subsoil.io.read.columns import Columns
 from subsoil.io.read.cones import cones_of
 from subsoil.io.read.marks import Writing, writing_of
 from subsoil.io.read.numbers import Numbers, numbers_of
-from subsoil.io.read.positions import Positions
 from subsoil.io.read.recording import HARDEST_KPA, KPA
+from subsoil.io.read.row_places import Positions
 from subsoil.io.read.sheet import Row, Sheet
 from subsoil.io.read.vocabulary import NUMBERS, UNIT, plain, unit_named, words_of
 from subsoil.penetrometer import Cone

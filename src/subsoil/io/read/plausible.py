@@ -1,36 +1,202 @@
-"""Strengths that no soil has as a rule: most often another unit than the heading says."""
+"""Readings that no soil gives as a rule: another unit, a slip of the pen, a probe out of hand.
+
+Each function looks at arrays and says what is odd in findings. Only positions far from all others
+(:func:`stray`) are left out; all else is kept, for its owner to look at.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from subsoil.arrays import Bools, Floats, Integers
 from subsoil.findings import Finding
-from subsoil.penetrometer import Profile
+from subsoil.io.read.plausible_places import coarse, crowded, frozen, stray
+from subsoil.io.read.recording import KPA, Frame
+from subsoil.io.read.screening import Push
+from subsoil.penetrometer import Cone, Profile
 
-_SOFTEST_KPA = 50.0
-_SOFT_KPA = 300.0
-_HARD_KPA = 8000.0
-_TILLED_M = 0.2
+__all__ = ["doubts", "stray"]
+
+_SOFTEST_KPA, _SOFT_KPA, _HARD_KPA = 50.0, 300.0, 8000.0
+_USUAL_KPA = (300.0, 5000.0)
+"""What the typical reading of a survey lies between as a rule."""
+_TILLED_M, _SHALLOW_M = 0.2, 0.04
+_TIMES_IN_DEPTH, _TIMES_IN_SPACE, _BEYOND_TYPICAL = 4.0, 3.0, 1.5
+_NEIGHBOURS = 8
+_SLOW_MPS, _FAST_MPS = 0.005, 0.06
+_SMALL_MM2 = 50.0
+_SIGMAS = 2.5
+_FEWEST_ENDED, _MOST_ENDS = 4, 50
+_SPEEDS = "0.03 m/s is the rule (ASABE S313.3), and soil resists more the faster it is pushed"
 
 
-def strength_doubts(profiles: Sequence[Profile], file: str) -> tuple[Finding, ...]:
+def doubts(
+    pushes: Sequence[Push], at: Floats, frame: Frame, cone: Cone | None, file: str
+) -> tuple[Finding, ...]:
+    """What is odd about pushes at (n, 2) places in m, read from a file in a frame."""
+    if not pushes:
+        return ()
+    rows = np.array([push.record.row for push in pushes], dtype=np.int64)
+    x = np.array([push.record.x for push in pushes])
+    y = np.array([push.record.y for push in pushes])
+    profiles = [push.profile for push in pushes]
+    return (
+        *strength(profiles, file),
+        *depths(profiles, file),
+        *cone_area(cone, file),
+        *spikes(profiles, at, rows, file),
+        *ended_early(profiles, file),
+        *speed([(push.record.depth_m, push.record.seconds) for push in pushes], file),
+        *coarse(x, y, frame, file),
+        *frozen(x, y, rows, file),
+        *crowded(x, y, rows, file),
+    )
+
+
+@dataclass(frozen=True)
+class _Flat:
+    """All readings of all pushes in a row: (k,) push, top and depth in m, kPa."""
+
+    push: Integers
+    top_m: Floats
+    depth_m: Floats
+    kpa: Floats
+
+
+def _flat(profiles: Sequence[Profile]) -> _Flat:
+    sizes = [profile.kpa.size for profile in profiles]
+    return _Flat(
+        np.repeat(np.arange(len(sizes)), sizes),
+        np.concatenate([profile.top_m for profile in profiles]),
+        np.concatenate([profile.depth_m for profile in profiles]),
+        np.concatenate([profile.kpa for profile in profiles]),
+    )
+
+
+def strength(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
     """Say if the typical strength of all readings together is none of soil.
 
     Freshly tilled topsoil may have 100 kPa; below it there is more.
     """
-    kpa = np.concatenate([np.zeros(0), *(profile.kpa for profile in profiles)])
-    deep = max((profile.depth_m[-1] for profile in profiles), default=0.0) > _TILLED_M
-    typical = float(np.median(kpa[kpa > 0])) if (kpa > 0).any() else _SOFT_KPA
-    if typical < _SOFTEST_KPA:
-        seen = f"the typical reading is {typical:.3g} kPa, a small part of any soil's strength"
-        done = "check the unit (MPa or psi under a heading of kPa?)"
-        return (Finding(seen, done, "doubt", file),)
-    if typical < _SOFT_KPA and deep:
-        seen = f"the typical reading is {typical:.3g} kPa, softer than almost any soil"
-        return (Finding(seen, "check the unit (psi under a heading of kPa?)", "doubt", file),)
+    kpa = np.concatenate([profile.kpa for profile in profiles])
+    deep = max(profile.depth_m[-1] for profile in profiles) > _TILLED_M
+    if not (kpa > 0).any():
+        return
+    typical = float(np.median(kpa[kpa > 0]))
     if typical > _HARD_KPA:
         seen = f"the typical reading is {typical:.4g} kPa, harder than almost any soil"
-        return (Finding(seen, "check the unit (kPa under a heading of psi?)", "doubt", file),)
-    return ()
+        done = "check the unit: kPa under a heading of psi? the cone area?"
+    elif typical < _SOFTEST_KPA or (typical < _SOFT_KPA and deep):
+        how = "a small part of any soil's strength"
+        how = how if typical < _SOFTEST_KPA else "softer than almost any soil"
+        seen = f"the typical reading is {typical:.3g} kPa, {how}"
+        units = [
+            f"{unit} would be {factor * typical:.4g} kPa"
+            for unit, factor in (("MPa", KPA["mpa"]), ("psi", KPA["psi"]), ("bar", KPA["bar"]))
+            if _USUAL_KPA[0] <= factor * typical <= _USUAL_KPA[1]
+        ]
+        done = "check the unit: " + (" or ".join(units) or "none that is known makes it usual")
+    else:
+        return
+    yield Finding(seen, done, "doubt", file)
+
+
+def depths(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
+    """Say if no push went deeper than a finger is thick."""
+    deepest = max(profile.depth_m[-1] for profile in profiles)
+    if deepest < _SHALLOW_M:
+        seen = f"the deepest reading is at {deepest:.3g} m"
+        yield Finding(seen, "check the unit of depths", "doubt", file)
+
+
+def cone_area(cone: Cone | None, file: str) -> Iterator[Finding]:
+    """Say if the area of a cone looks like its diameter, or like an area in cm2."""
+    if cone and cone.area_mm2 < _SMALL_MM2:
+        area = np.pi / 4 * cone.area_mm2**2
+        seen = f"a cone of {cone.area_mm2:g} mm2 is smaller than any in use on fields"
+        done = f"if that is its diameter in mm, give {area:.0f}; if its area in cm2, 100 times that"
+        yield Finding(seen, done, "doubt", file)
+
+
+def spikes(profiles: Sequence[Profile], at: Floats, rows: Integers, file: str) -> Iterator[Finding]:
+    """Name single readings far beyond those above and below, and those of the pushes around.
+
+    A stone is hard too, but is rarely met in one reading alone that is several times as hard as
+    all around: an extra digit is.
+    """
+    flat = _flat(profiles)
+    if not (flat.kpa > 0).any():
+        return
+    same = flat.push[1:] == flat.push[:-1]
+    above = np.concatenate([[np.nan], np.where(same, flat.kpa[:-1], np.nan)])
+    below = np.concatenate([np.where(same, flat.kpa[1:], np.nan), [np.nan]])
+    beside = np.fmax(above, below)
+    beyond = flat.kpa - beside > _BEYOND_TYPICAL * np.median(flat.kpa[flat.kpa > 0])
+    for k in np.flatnonzero(beyond & (flat.kpa > _TIMES_IN_DEPTH * beside)):
+        around = _around(flat, at, int(flat.push[k]), flat.depth_m[k])
+        if around.size and flat.kpa[k] <= _TIMES_IN_SPACE * around.max():
+            continue
+        hardest = float(np.max([beside[k], *around]))
+        seen = f"{flat.kpa[k]:.5g} kPa, where readings around it have {hardest:.4g} kPa at most"
+        done = "kept; correct it if it is a slip of the pen"
+        yield Finding(seen, done, "doubt", file, int(rows[flat.push[k]]), f"{flat.depth_m[k]:g} m")
+
+
+def _around(flat: _Flat, at: Floats, push: int, depth_m: float) -> Floats:
+    """Readings at a depth of the pushes nearest to one, kPa."""
+    others = _covering(flat, depth_m) & (flat.push != push)
+    away = np.hypot(*(at[flat.push[others]] - at[push]).T)
+    return np.asarray(flat.kpa[others][np.argsort(away, kind="stable")[:_NEIGHBOURS]])
+
+
+def _covering(flat: _Flat, depth_m: float) -> Bools:
+    """(k,) readings that stand for the soil just above a depth."""
+    return np.asarray((flat.top_m < depth_m) & (flat.depth_m >= depth_m))
+
+
+def ended_early(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
+    """Say if pushes ended where it was harder than others had it: below them the map is too soft.
+
+    Where pushes end by chance, the shares of other pushes that had it softer at that depth are
+    evenly spread, and their mean over m pushes has a standard deviation of ``(12 m) ** -0.5``.
+    """
+    ends = np.array([profile.depth_m[-1] for profile in profiles])
+    depths_m, counts = np.unique(ends, return_counts=True)
+    full = depths_m[np.argmax(counts)]
+    early = np.flatnonzero(ends < full)
+    if early.size < _FEWEST_ENDED:
+        return
+    flat = _flat(profiles)
+    shares: list[float] = []
+    met: list[tuple[float, float]] = []
+    for end in np.unique(ends[early])[-_MOST_ENDS:]:
+        here = _covering(flat, end)
+        others = flat.kpa[here & (ends[flat.push] > end)]
+        for last in flat.kpa[here & (ends[flat.push] == end)] if others.size else ():
+            shares.append(float((others < last).mean() + (others == last).mean() / 2))
+            met.append((float(last), float(np.median(others))))
+    if not shares or np.mean(shares) < 0.5 + _SIGMAS / np.sqrt(12 * len(shares)):
+        return
+    harder, usual = np.median(met, axis=0)
+    seen = (
+        f"{early.size} of {len(profiles)} pushes ended above {full:g} m, at {harder:.4g} kPa "
+        f"where others had {usual:.4g} kPa (typical)"
+    )
+    done = "deep layers rest on the pushes that got through, so the map is too soft there"
+    yield Finding(seen, done, file=file)
+
+
+def speed(pushes: Sequence[tuple[Floats, Floats]], file: str) -> Iterator[Finding]:
+    """Say if pushes, depths in m and times in s, were much slower or faster than the standard."""
+    speeds = [
+        float((depth_m[-1] - depth_m[0]) / (seconds[-1] - seconds[0]))
+        for depth_m, seconds in pushes
+        if seconds.size > 1 and seconds[-1] > seconds[0]
+    ]
+    odd = [each for each in speeds if not _SLOW_MPS <= each <= _FAST_MPS]
+    if odd:
+        seen = f"{len(odd)} of {len(speeds)} pushes went at {np.median(odd):.2g} m/s"
+        yield Finding(seen, _SPEEDS, "doubt", file)

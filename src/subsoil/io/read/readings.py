@@ -6,8 +6,9 @@ others are used: nothing is dropped in silence, and nothing is mended by guessin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,9 @@ from subsoil.findings import Finding, left_out
 from subsoil.io.read.instruments import INSTRUMENTS, Reader
 from subsoil.io.read.missing import without_codes
 from subsoil.io.read.places import Places, elsewhere, outside
-from subsoil.io.read.plausible import strength_doubts
+from subsoil.io.read.plausible import doubts, stray
+from subsoil.io.read.position_files import read_positions
+from subsoil.io.read.positions import located
 from subsoil.io.read.recording import Recording, kpa_per_unit
 from subsoil.io.read.screening import Push, screened
 from subsoil.io.read.sheet import NO_MEANINGS, Meanings
@@ -27,6 +30,9 @@ from subsoil.io.read.text import check_file
 from subsoil.land.field import Field
 from subsoil.penetrometer import Cone
 from subsoil.readings import Readings, extent_of
+from subsoil.registry import Registry, handed_over
+
+Read = Callable[[Path], Recording]
 
 READERS: dict[str, Reader] = {
     **INSTRUMENTS,
@@ -36,6 +42,10 @@ READERS: dict[str, Reader] = {
     },
 }
 """In the order in which they are asked whether a file is theirs."""
+READER_POINTS = "subsoil.readers"
+"""Entry points at which installed packages offer a :class:`Reader`; these are asked first."""
+
+_REGISTRY: Registry[Read] = Registry("reader", READER_POINTS, READERS)
 _HEAD = 4096
 
 
@@ -46,8 +56,9 @@ def read_readings(
     crs: str | None = None,
     cone: Cone | None = None,
     units: str | None = None,
-    reader: str = "",
+    reader: str | Read = "",
     meanings: Meanings = NO_MEANINGS,
+    positions: str | Path | None = None,
 ) -> Readings:
     """Read readings from an instrument's file or a table.
 
@@ -68,9 +79,12 @@ def read_readings(
     units
         Unit of pressure or force, where the file does not say.
     reader
-        Name of one of :data:`READERS`, where the content does not tell.
+        Where the content does not tell: name of one of :data:`READERS`, ``module:attribute``, or
+        a function from a path to a :class:`~subsoil.io.read.recording.Recording`.
     meanings
         What headings of a table mean, where they do not say: ``{"pen1": "kpa at 10 cm"}``.
+    positions
+        File with the places of pushes by number or time, where the instrument has none.
 
     Raises
     ------
@@ -83,7 +97,8 @@ def read_readings(
         If the CRS is unknown or cannot be brought to the field's.
     """
     path = Path(path)
-    recording = _recording(path, reader, meanings, units or "")
+    places = read_positions(positions) if positions is not None else None
+    recording = located(_recording(path, reader, meanings, units or ""), places, path.name)
     records, codes = without_codes(recording.records, path.name)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
     pushes, unfit = screened(records, factor, recording.frame, path.name)
@@ -92,14 +107,18 @@ def read_readings(
         raise _none_usable(left_out(findings), path.name)
     rows = np.array([push.record.row for push in pushes], dtype=np.int64)
     at, home = _places(pushes, recording, path.name).metres(field, crs or recording.crs or None)
-    inside = np.ones(len(rows), dtype=bool)
     if field is not None:
         inside = _inside(at, field, _places(pushes, recording, path.name), crs)
         findings += outside(rows[~inside], at[~inside], field, path.name)
-    findings += strength_doubts([push.profile for push in pushes], path.name)
+    else:
+        strays = stray(at, rows, path.name)
+        inside = ~np.isin(rows, [finding.row for finding in left_out(strays)])
+        findings += strays
+    kept = [push for push, here in zip(pushes, inside, strict=True) if here]
+    findings += doubts(kept, at[inside], recording.frame, cone, path.name)
     return Readings(
         at[inside],
-        tuple(push.profile for push, kept in zip(pushes, inside, strict=True) if kept),
+        tuple(push.profile for push in kept),
         extent_of(at[inside]) if field is None else field.extent_m,
         rows[inside],
         home,
@@ -108,36 +127,39 @@ def read_readings(
     )
 
 
-def _recording(path: Path, reader: str, meanings: Meanings, unit: str) -> Recording:
+def _recording(path: Path, reader: str | Read, meanings: Meanings, unit: str) -> Recording:
     check_file(path, ReadingsError)
-    name = reader or _sniffed(path)
-    if name not in READERS:
-        raise ReadingsError(
-            f"there is no reader {name!r}", where=path.name, remedy=f"one of {', '.join(READERS)}"
-        )
+    name, read = _chosen(path, reader)
     if name in SHEETS:
         return read_sheets(SHEETS[name], path, meanings, unit=unit)
     if meanings:
         raise ReadingsError(
-            f"it is of a {READERS[name].name}, and has no headings to map",
-            where=path.name,
-            remedy="leave --map out",
+            "it is no table, and has no headings to map", where=path.name, remedy="leave --map out"
         )
-    return READERS[name].read(path)
+    return read(path)
 
 
-def _sniffed(path: Path) -> str:
-    """Name of the reader of a file by its first bytes and its name."""
+def _chosen(path: Path, reader: str | Read) -> tuple[str, Read]:
+    """Name of a reader, if it has one, and how it reads: that asked for, or the file's own."""
+    if reader:
+        named = reader if isinstance(reader, str) else ""
+        return named, _REGISTRY.named(*handed_over(reader))
     with path.open("rb") as file:
         head = file.read(_HEAD)
-    for name, each in READERS.items():
+    for name, each in (*(("", each) for each in _installed()), *READERS.items()):
         if each.sniff(head, path.name):
-            return name
+            return name, each.read
     raise ReadingsError(
         "nothing here reads it as readings",
         where=path.name,
         remedy=f"save it as CSV, or name one of the readers {', '.join(READERS)}",
     )
+
+
+def _installed() -> Iterator[Reader]:
+    """Readers of installed packages."""
+    found = (point.load() for point in entry_points(group=READER_POINTS))
+    return (each for each in found if isinstance(each, Reader))
 
 
 def _places(pushes: Sequence[Push], recording: Recording, file: str) -> Places:

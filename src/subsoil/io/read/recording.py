@@ -64,6 +64,8 @@ class Record:
         What it was taken with; ``None`` if the file does not say.
     ending
         What ended it; ``"force"`` where the file says of its last value that it is that or more.
+    seconds
+        (k,) times in s at which each depth was reached, if the file says so; else empty.
     """
 
     row: int
@@ -76,6 +78,7 @@ class Record:
     time: datetime | None = None
     cone: Cone | None = None
     ending: Ending = "stroke"
+    seconds: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,8 @@ from subsoil.io.read.columns import Columns, columns_of
 from subsoil.io.read.grid import Grid, grid_of
 from subsoil.io.read.heading_row import heading_of
 from subsoil.io.read.outlines import frame
-from subsoil.io.read.positions import Positions, positions_of
 from subsoil.io.read.recording import NEWTONS, Frame, Record, Recording
+from subsoil.io.read.row_places import Positions, positions_of
 from subsoil.io.read.sheet import NO_MEANINGS, Meanings, Row, Sheet
 from subsoil.io.read.summaries import without_summaries
 from subsoil.io.read.tidy import tidy_records

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from subsoil.io.read.instruments import robot_yaml
+from subsoil.io.read.instruments import gef, penetrologger, probe_log, robot_yaml, sc900
 from subsoil.io.read.recording import Recording
 
 
 @dataclass(frozen=True)
 class Reader:
-    """How files of an instrument, or of one kind, are known and read.
+    """How files of an instrument, or of one kind, are known and read; called, it reads a path.
 
     Attributes
     ----------
@@ -31,8 +31,16 @@ class Reader:
     sniff: Callable[[bytes, str], bool]
     read: Callable[[Path], Recording]
 
+    def __call__(self, path: Path) -> Recording:
+        """Read a path."""
+        return self.read(path)
+
 
 INSTRUMENTS: dict[str, Reader] = {
+    "sc900": Reader(sc900.NAME, sc900.sniff, sc900.read),
+    "penetrologger": Reader(penetrologger.NAME, penetrologger.sniff, penetrologger.read),
+    "gef": Reader(gef.NAME, gef.sniff, gef.read),
+    "probe-log": Reader(probe_log.NAME, probe_log.sniff, probe_log.read),
     "robot-yaml": Reader(robot_yaml.NAME, robot_yaml.sniff, robot_yaml.read),
 }
 """By the name that forces one."""
