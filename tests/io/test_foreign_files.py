@@ -295,8 +295,8 @@ def test_a_raster_too_large_to_hold_is_said_before_it_is_read(tmp_path: Path) ->
     ("body", "words"),
     [
         ("<Document/>", "a file without a polygon is not an outline"),
-        (f"<Placemark><LinearRing><coordinates>{RING}</coordinates></LinearRing></Placemark>",
-         "a LinearRing is not an outline"),
+        ("<Placemark><LinearRing><coordinates>0,52 0.001,52 0.001,52.001</coordinates></LinearRing>"
+         "</Placemark>", "a LinearRing is not an outline: it is open, its ends are 130.7 m apart"),
         ("<Placemark><Point><coordinates>1,2</coordinates></Point></Placemark>", "a Point is not"),
         ("<Placemark><name>x</name><Polygon/></Placemark>", "feature 1 (x): a polygon has 0 outer"),
         (POLYGON.replace("-0.5,53 ", "-0.5;53 "), "not longitude,latitude pairs"),
