@@ -13,8 +13,9 @@ from pyproj import Geod, Proj
 from shapely.geometry import LineString, MultiPolygon, Polygon, box
 
 from subsoil.errors import BoundaryError, ParameterError
-from subsoil.land.crs import accuracy, check_metric, looks_swapped, project, utm_crs
+from subsoil.land.crs import accuracy, check_metric, project, utm_crs
 from subsoil.land.field import Field
+from subsoil.land.swaps import looks_swapped
 
 SQUARE = [(0, 0), (100, 0), (100, 100), (0, 100)]
 LINCOLN = Polygon(

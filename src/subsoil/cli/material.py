@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from subsoil.arrays import Floats
-from subsoil.cli.field import Crs, Edges, OptionalConeArea, ReadingsFile, ReadingUnit
+from subsoil.cli.field import Crs, Edges, Fence, OptionalConeArea, ReadingsFile, ReadingUnit
 from subsoil.cli.options import (
     DEFAULT_EDGES,
     EstimatorName,
@@ -20,6 +20,7 @@ from subsoil.cli.options import (
 from subsoil.errors import ParameterError
 from subsoil.findings import left_out
 from subsoil.io.read.readings import read_readings
+from subsoil.io.read.strays import FENCE_M
 from subsoil.journal import read_events
 from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
@@ -82,7 +83,7 @@ class MaterialOptions:
 
     Attributes
     ----------
-    readings, layers, cone_area, reading_unit, crs
+    readings, layers, cone_area, reading_unit, crs, fence
         The file, and how to read it.
     estimator, setting
         How variograms are estimated.
@@ -95,6 +96,7 @@ class MaterialOptions:
     cone_area: OptionalConeArea = None
     reading_unit: ReadingUnit = None
     crs: Crs = None
+    fence: Fence = FENCE_M
 
     def read(self, field: Field | None) -> Material:
         """Readings of the file or the survey, those of a field if there is one.
@@ -112,7 +114,12 @@ class MaterialOptions:
             return _enough(Material(readings, survey.layers), self.readings)
         cone = Cone(self.cone_area) if self.cone_area is not None else None
         readings = read_readings(
-            self.readings, field=field, crs=self.crs, cone=cone, units=self.reading_unit
+            self.readings,
+            field=field,
+            crs=self.crs,
+            cone=cone,
+            units=self.reading_unit,
+            fence_m=self.fence,
         )
         layers = layers_of(self.layers)
         fine = finer_than_readings(readings, layers)

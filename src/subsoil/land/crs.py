@@ -31,7 +31,6 @@ MOST_OFF_M = 5.0
 """Distance in m up to which the way between two frames may be known: a cell, a receiver's error."""
 
 _STRETCH_M = 100.0
-_WIDEST_COUNTRY_FRAME_DEG = 30
 
 
 def utm_crs(longitude: float, latitude: float) -> str:
@@ -258,37 +257,3 @@ def _transformer(source: str, target: str) -> Transformer:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of a missing grid: accuracy tells
         return Transformer.from_crs(*ends, always_xy=True)
-
-
-def looks_swapped(longitude: float, latitude: float) -> bool:
-    """Whether a place is surely at sea, and its mirror image with the numbers swapped is on land.
-
-    Land is where a country keeps a frame of its own, by the rectangles of the EPSG registry. They
-    overlap the sea, so many a swap goes unnoticed, but a field on land is not taken for one.
-
-    Examples
-    --------
-    >>> looks_swapped(53.26, -0.53), looks_swapped(-0.53, 53.26)
-    (True, False)
-    """
-    if max(abs(longitude), abs(latitude)) > 90:
-        return False
-    at_sea = not _countries(longitude, latitude)
-    return at_sea and any("onshore" in name for name in _countries(latitude, longitude))
-
-
-@cache
-def _countries(longitude: float, latitude: float) -> frozenset[str]:
-    """Names of areas of use that belong to a country and not to a zone, ocean or continent."""
-    from pyproj.aoi import AreaOfInterest
-    from pyproj.database import query_crs_info
-    from pyproj.enums import PJType
-
-    kinds = [PJType.PROJECTED_CRS, PJType.GEOGRAPHIC_2D_CRS]
-    here = AreaOfInterest(longitude, latitude, longitude, latitude)
-    found = query_crs_info("EPSG", kinds, here, contains=True)
-    areas = [info.area_of_use for info in found if info.area_of_use]
-    names = (
-        area.name or "" for area in areas if 0 < area.east - area.west < _WIDEST_COUNTRY_FRAME_DEG
-    )
-    return frozenset(name for name in names if name and not name.startswith("Between"))

@@ -242,10 +242,7 @@ class Field:
         return int(np.argmin(((self.cells - place) ** 2).sum(axis=1)))
 
     def metres_away(self, at: ArrayLike) -> Floats:
-        """(n,) distances in m of (n, 2) places from where the field can be probed; 0 in it.
-
-        Infinite for places that are none.
-        """
+        """(n,) distances in m of (n, 2) places from where one may probe."""
         at = np.atleast_2d(np.asarray(at, dtype=float))
         away = np.asarray(shapely.distance(shapely.points(at), self._probeable))
         return np.where(np.isfinite(away), away, np.inf)

@@ -12,7 +12,7 @@ from shapely.geometry import LinearRing, MultiPolygon, Polygon
 from shapely.validation import explain_validity
 
 from subsoil.errors import BoundaryError
-from subsoil.land.crs import looks_swapped
+from subsoil.land.swaps import looks_swapped
 
 Area = Polygon | MultiPolygon
 

@@ -21,6 +21,7 @@ from subsoil.land.crs import (
 )
 from subsoil.land.field import Field
 from subsoil.land.outline import Area, check_extent, check_lonlat
+from subsoil.land.swaps import looks_transposed
 
 Bounds = tuple[float, float, float, float]
 
@@ -55,6 +56,13 @@ def home_of(crs: str, bounds: Bounds, cell_size: float, file: str) -> tuple[str,
         seen = f"{brief(crs)} measures in {unit}, so it is kept in {home}"
         return home, [Finding(seen, file=file)]
     check_extent(bounds, cell_size, file)
+    if crs and looks_transposed(crs, *middle):
+        raise BoundaryError(
+            f"easting {middle[0]:.0f}, northing {middle[1]:.0f} is far from where {brief(crs)} "
+            "is used: they look swapped",
+            where=file,
+            remedy="write easting first",
+        )
     home = metres_frame(crs, middle) if crs else ""
     if home == crs:
         return home, []

@@ -11,15 +11,15 @@ from pathlib import Path
 
 import numpy as np
 
-from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
 from subsoil.findings import Finding, left_out
 from subsoil.io.read.instruments import INSTRUMENTS, Reader
 from subsoil.io.read.missing import without_codes
-from subsoil.io.read.places import Places, elsewhere, outside
+from subsoil.io.read.places import Places
 from subsoil.io.read.plausible import strength_doubts
 from subsoil.io.read.recording import Recording, kpa_per_unit
 from subsoil.io.read.screening import Push, screened
+from subsoil.io.read.strays import FENCE_M, at_field, elsewhere, strays
 from subsoil.io.read.table import looks_like_table, read_table
 from subsoil.io.read.text import check_file
 from subsoil.land.field import Field
@@ -42,6 +42,7 @@ def read_readings(
     cone: Cone | None = None,
     units: str | None = None,
     reader: str = "",
+    fence_m: float = FENCE_M,
 ) -> Readings:
     """Read readings from an instrument's file or a table.
 
@@ -53,7 +54,7 @@ def read_readings(
     path
         File, told apart by its content (:data:`READERS`).
     field
-        Field they belong to: sets the frame, and what lies outside or in a keep-out is left out.
+        Field they belong to: sets the frame, and what lies outside its fence is left out.
         Without one, longitude and latitude go to the UTM zone of their median.
     crs
         Frame of easting and northing in the file, if not the field's.
@@ -63,6 +64,8 @@ def read_readings(
         Unit of pressure or force, where the file does not say.
     reader
         Name of one of :data:`READERS`, where the content does not tell.
+    fence_m
+        Distance in m from the field up to which a reading is used, where it was taken.
 
     Raises
     ------
@@ -83,11 +86,15 @@ def read_readings(
     if not pushes:
         raise _none_usable(left_out(findings), path.name)
     rows = np.array([push.record.row for push in pushes], dtype=np.int64)
-    at, home = _places(pushes, recording, path.name).metres(field, crs or recording.crs or None)
+    places, source = _places(pushes, recording, path.name), crs or recording.crs or None
+    at, home = places.metres(field, source)
+    findings += places.findings(field, source)
     inside = np.ones(len(rows), dtype=bool)
     if field is not None:
-        inside = _inside(at, field, _places(pushes, recording, path.name), crs)
-        findings += outside(rows[~inside], at[~inside], field, path.name)
+        inside = at_field(at, field, fence_m)
+        if 2 * inside.sum() < inside.size:
+            raise elsewhere(places, field, at, source)
+        findings += strays(rows, at, field, fence_m, path.name)
     findings += strength_doubts([push.profile for push in pushes], path.name)
     return Readings(
         at[inside],
@@ -126,13 +133,6 @@ def _places(pushes: Sequence[Push], recording: Recording, file: str) -> Places:
     x = np.array([push.record.x for push in pushes])
     y = np.array([push.record.y for push in pushes])
     return Places(x, y, recording.frame == "lonlat", file)
-
-
-def _inside(at: Floats, field: Field, places: Places, crs: str | None) -> np.ndarray:
-    inside = field.contains(at)
-    if 2 * inside.sum() < inside.size:
-        raise elsewhere(places, field, at, crs)
-    return inside
 
 
 def _none_usable(refused: Sequence[Finding], file: str) -> ReadingsError:
