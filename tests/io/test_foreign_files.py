@@ -253,7 +253,7 @@ def raster(path: Path) -> Path:
 def test_files_beside_a_raster_are_not_read(tmp_path: Path, server: tuple[str, list[str]]) -> None:
     url, asked = server
     path = raster(tmp_path / "ec.tif")
-    plain = read_covariate(path, HOME)
+    plain = read_covariate(path, HOME).values
     overview = (
         f'<PAMDataset><Metadata domain="OVERVIEWS"><MDI key="OVERVIEW_FILE">/vsicurl/{url}/o.tif'
         '</MDI></Metadata><PAMRasterBand band="1"><NoDataValue>3</NoDataValue></PAMRasterBand>'
@@ -262,7 +262,7 @@ def test_files_beside_a_raster_are_not_read(tmp_path: Path, server: tuple[str, l
     (tmp_path / "ec.tif.aux.xml").write_text(overview)
     for beside in ("ec.tif.ovr", "ec.tif.msk", "ec.ovr", "ec.tfw", "ec.rrd"):
         (tmp_path / beside).write_text(raster_vrt(f"/vsicurl/{url}/x.tif"))
-    np.testing.assert_array_equal(read_covariate(path, HOME), plain)
+    np.testing.assert_array_equal(read_covariate(path, HOME).values, plain)
     assert asked == []
 
 
@@ -295,8 +295,8 @@ def test_a_raster_too_large_to_hold_is_said_before_it_is_read(tmp_path: Path) ->
     ("body", "words"),
     [
         ("<Document/>", "a file without a polygon is not an outline"),
-        (f"<Placemark><LinearRing><coordinates>{RING}</coordinates></LinearRing></Placemark>",
-         "a LinearRing is not an outline"),
+        ("<Placemark><LinearRing><coordinates>0,52 0.001,52 0.001,52.001</coordinates></LinearRing>"
+         "</Placemark>", "a LinearRing is not an outline: it is open, its ends are 130.7 m apart"),
         ("<Placemark><Point><coordinates>1,2</coordinates></Point></Placemark>", "a Point is not"),
         ("<Placemark><name>x</name><Polygon/></Placemark>", "feature 1 (x): a polygon has 0 outer"),
         (POLYGON.replace("-0.5,53 ", "-0.5;53 "), "not longitude,latitude pairs"),

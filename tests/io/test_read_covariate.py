@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 
 from subsoil.arrays import Floats
 from subsoil.errors import BoundaryError, ReadingsError
+from subsoil.findings import left_out
 from subsoil.io.read.covariate import read_covariate
 from subsoil.land.crs import WGS84, project
 from subsoil.land.field import Field
@@ -21,7 +22,7 @@ UTM = "EPSG:32630"
 
 
 def land(crs: str = UTM) -> Field:
-    """A field of 96 cells, without a corner."""
+    """A field of 93 cells, without a corner."""
     origin = (681_000.0, 5_900_000.0) if crs else (0.0, 0.0)
     corners = np.array([(0, 0), (60, 0), (60, 30), (50, 40), (0, 40)]) + origin
     return Field.from_metres(corners, crs=crs, name="land")
@@ -55,7 +56,7 @@ def raster(
 def test_a_raster_is_averaged_over_each_cell(tmp_path: Path, crs: str, pixel: float) -> None:
     field = land(crs)
     path = raster(tmp_path / "ec.tif", field, pixel, crs=crs or None)
-    assert_allclose(read_covariate(path, field), plane(field.cells), atol=1e-9)
+    assert_allclose(read_covariate(path, field).values, plane(field.cells), atol=1e-9)
 
 
 def test_a_raster_in_another_frame_is_brought_to_the_fields(tmp_path: Path) -> None:
@@ -69,7 +70,7 @@ def test_a_raster_in_another_frame_is_brought_to_the_fields(tmp_path: Path) -> N
             profile = {**warped.profile, "driver": "GTiff"}
             with rasterio.open(there, "w", **profile) as target:
                 target.write(warped.read())
-    assert_allclose(read_covariate(there, field), plane(field.cells), atol=0.4)
+    assert_allclose(read_covariate(there, field).values, plane(field.cells), atol=0.4)
 
 
 def table(path: Path, at: Floats, values: Floats, header: str = "easting,northing,ec") -> Path:
@@ -85,7 +86,7 @@ def test_points_in_a_cell_are_averaged_and_a_cell_without_one_takes_the_nearest(
     cells = np.delete(field.cells, [3, 40], axis=0)
     at = np.concatenate([np.add(cells, (1.0, 0.5)), np.subtract(cells, (1.0, 0.2))])
     path = table(tmp_path / "ec.csv", at, plane(at))
-    found = read_covariate(path, field)
+    found = read_covariate(path, field).values
     assert_allclose(np.delete(found, [3, 40]), plane(np.add(cells, (0.0, 0.15))), atol=1e-6)
     for cell in (3, 40):
         nearest = at[np.argmin(np.hypot(*(at - field.cells[cell]).T))]
@@ -105,7 +106,7 @@ def test_points_in_degrees_are_brought_to_the_fields_frame(tmp_path: Path, suffi
             ["ec", "row"], geometry_type="Point", crs=WGS84,
         )  # fmt: skip
     column = None if suffix == ".csv" else "ec"
-    assert_allclose(read_covariate(path, field, column=column), values, atol=1e-6)
+    assert_allclose(read_covariate(path, field, column=column).values, values, atol=1e-6)
 
 
 def refused(path: Path, field: Field | None = None, **options: str) -> str:
@@ -127,13 +128,92 @@ def test_a_raster_that_does_not_cover_the_field_is_refused(tmp_path: Path) -> No
     assert "cells, the first at" in refused(raster(tmp_path / "half.tif", half, margin=0.0), field)
 
 
-def test_a_hole_in_a_raster_is_refused(tmp_path: Path) -> None:
-    path = raster(tmp_path / "hole.tif", land())
-    with rasterio.open(path, "r+") as file:
-        values = file.read(1)
-        values[20:30, 20:35] = -9999.0
+def dug(path: Path, value: float, rows: slice, columns: slice, *, declared: bool) -> Path:
+    """A raster with one value in some pixels, which its header calls no data or not."""
+    with rasterio.open(path) as file:
+        profile, values = dict(file.profile), file.read(1)
+    values[values == -9999.0] = -9999.0 if declared else 20.0
+    values[rows, columns] = value
+    with rasterio.open(path, "w", **{**profile, "nodata": value if declared else None}) as file:
         file.write(values, 1)
-    assert "nothing is known of 6 of" in refused(path)
+    return path
+
+
+def test_a_small_hole_in_a_raster_takes_the_nearest_value_and_is_noted(tmp_path: Path) -> None:
+    path = dug(
+        raster(tmp_path / "ec.tif", land()), -9999, slice(20, 30), slice(20, 35), declared=True
+    )
+    found = read_covariate(path, land())
+    (note,) = found.findings
+    assert (note.seen, note.severity) == ("nothing is known of 6 of 93 cells", "note")
+    assert_allclose(found.values, plane(land().cells), atol=4)
+
+
+def test_a_wide_hole_in_a_raster_is_refused(tmp_path: Path) -> None:
+    path = dug(
+        raster(tmp_path / "ec.tif", land()), -9999, slice(0, 60), slice(20, 80), declared=True
+    )
+    assert "nothing is known within 25 m of" in refused(path)
+
+
+@pytest.mark.parametrize("code", [-9999.0, -32768.0, 32767.0, -99.0, -3.4028234663852886e38, 1e20])
+def test_a_code_that_no_header_declares_is_left_out_and_counted(
+    tmp_path: Path, code: float
+) -> None:
+    path = dug(
+        raster(tmp_path / "ec.tif", land()), code, slice(20, 30), slice(20, 35), declared=False
+    )
+    found = read_covariate(path, land())
+    (finding,) = left_out(found.findings)
+    assert finding.seen.startswith("6 cells hold ")
+    assert "where others hold " in finding.seen
+    assert_allclose(found.values, plane(land().cells), atol=4)
+
+
+def test_a_code_that_may_be_a_value_among_others_is_one(tmp_path: Path) -> None:
+    cells = land().cells
+    values = np.linspace(-120.0, -80.0, len(cells))
+    values[7] = -99.0
+    found = read_covariate(table(tmp_path / "ec.csv", cells, values), land())
+    assert found.findings == ()
+    assert found.values[7] == -99.0
+
+
+def test_zeros_far_from_all_others_are_a_doubt_and_stay(tmp_path: Path) -> None:
+    cells = land().cells
+    values = np.linspace(24.0, 36.0, len(cells))
+    values[3:9] = 0.0
+    found = read_covariate(table(tmp_path / "ec.csv", cells, values), land())
+    (finding,) = found.findings
+    assert (finding.seen, finding.severity) == (
+        "6 points hold 0 where others hold 24 to 36",
+        "doubt",
+    )
+    assert (found.values == 0).sum() == 6
+
+
+def test_points_with_codes_or_without_a_value_are_counted(tmp_path: Path) -> None:
+    cells = land().cells
+    path = table(
+        tmp_path / "ec.csv", cells, np.where(np.arange(len(cells)) < 4, -9999, plane(cells))
+    )
+    lines = path.read_text().splitlines()
+    for k, blank in ((50, ""), (51, "NA"), (52, "-")):
+        lines[k] = lines[k].rpartition(",")[0] + f",{blank}"
+    path.write_text("\n".join(lines))
+    found = read_covariate(path, land())
+    assert [(f.seen.split(" where")[0], f.severity) for f in found.findings] == [
+        ("4 points hold -9999", "left out"),
+        ("3 points have no value", "note"),
+    ]
+    assert_allclose(found.values, plane(cells), atol=8)
+
+
+def test_points_with_their_degrees_swapped_are_named(tmp_path: Path) -> None:
+    cells = land().cells
+    lonlat = project(UTM, WGS84, *cells.T)
+    path = table(tmp_path / "ec.csv", lonlat, plane(cells), "lat,lon,ec")
+    assert "swapping latitude and longitude puts them inside" in refused(path)
 
 
 def test_frames_that_nothing_leads_between_are_refused(tmp_path: Path) -> None:

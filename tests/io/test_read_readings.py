@@ -283,9 +283,9 @@ def test_degrees_do_not_fit_a_field_in_a_local_frame(save: Save) -> None:
 
 
 def test_a_reading_outside_the_field_is_refused_with_its_distance(save: Save) -> None:
-    rows = ["50,50,1", "60,50,1", "112,50,1", "-3,50,1", "0,0,1"]
+    rows = ["50,50,1", "60,50,1", "112,50,1", "-6,50,1", "0,0,1"]
     readings = read_readings(save("easting,northing,kpa_5cm", *rows), field=YARD)
-    assert messages(readings) == {4: "12 m outside the field", 5: "3 m outside the field"}
+    assert messages(readings) == {4: "12 m outside the field", 5: "6 m outside the field"}
     assert readings.rows.tolist() == [2, 3, 6], "the edge belongs to the field"
 
 

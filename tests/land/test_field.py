@@ -13,8 +13,9 @@ from pyproj import Geod, Proj
 from shapely.geometry import LineString, MultiPolygon, Polygon, box
 
 from subsoil.errors import BoundaryError, ParameterError
-from subsoil.land.crs import check_metric, looks_swapped, project, utm_crs
+from subsoil.land.crs import accuracy, check_metric, project, utm_crs
 from subsoil.land.field import Field
+from subsoil.land.swaps import looks_swapped
 
 SQUARE = [(0, 0), (100, 0), (100, 100), (0, 100)]
 LINCOLN = Polygon(
@@ -322,9 +323,16 @@ def test_a_crs_in_metres_is_accepted() -> None:
         check_metric(crs, "home")
 
 
-def test_a_transformation_that_would_be_metres_off_is_refused() -> None:
-    with pytest.raises(BoundaryError, match="EPSG:27700 needs a grid that is missing"):
-        project("EPSG:4326", "EPSG:27700", [-0.5], [53.0])
+def test_a_transformation_that_would_be_a_cell_off_is_refused() -> None:
+    for old, place in (("EPSG:4301", (139.0, 36.0)), ("EPSG:26715", (500_000.0, 4_650_000.0))):
+        with pytest.raises(BoundaryError, match=rf"exact transformation from {old} .*WGS84"):
+            project(old, "EPSG:4326", *place)
+
+
+def test_the_british_grid_is_reached_to_the_metres_that_its_registry_says() -> None:
+    (found,) = project("EPSG:4326", "EPSG:27700", [1.716073973], [52.658007833])
+    assert np.hypot(*(found - (651_409.804, 313_177.45))) < 4  # Caister, by OSTN15
+    assert accuracy("EPSG:4326", "EPSG:27700", 1.7, 52.7) == 2
 
 
 def test_nothing_leads_from_a_local_frame_to_another() -> None:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from subsoil.cli.parsing import FIELD, STRATEGY
+from subsoil.findings import Finding
 from subsoil.io.read.covariate import read_covariate
 from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.land.field import Field
@@ -39,8 +40,11 @@ Drift = Annotated[
 ]
 
 
-def covariate_of(path: Path | None, column: str | None, field: Field, crs: str | None) -> Covariate:
-    """Covariate of a field's cells; none without a file."""
+def covariate_of(
+    path: Path | None, column: str | None, field: Field, crs: str | None
+) -> tuple[Covariate, tuple[Finding, ...]]:
+    """Covariate of a field's cells, and findings about its file; none without a file."""
     if path is None:
-        return NO_COVARIATE
-    return Covariate(field.cells, read_covariate(path, field, column=column, crs=crs))
+        return NO_COVARIATE, ()
+    known = read_covariate(path, field, column=column, crs=crs)
+    return Covariate(field.cells, known.values), known.findings

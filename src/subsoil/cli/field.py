@@ -15,7 +15,7 @@ Boundary = Annotated[
     Path,
     typer.Option(
         metavar="FILE",
-        help="Outline of the field: GeoJSON, .coords, CSV, GeoPackage, shapefile, KML.",
+        help="Outline of the field: GeoJSON, .coords, CSV, GeoPackage, shapefile, KML, KMZ, GPX.",
         rich_help_panel=FIELD,
     ),
 ]
@@ -23,7 +23,26 @@ OptionalBoundary = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        help="Outline of the field; readings outside are left out.",
+        help="Outline of the field; readings beyond its fence are left out.",
+        rich_help_panel=FIELD,
+    ),
+]
+FieldName = Annotated[
+    str,
+    typer.Option(
+        "--name",
+        metavar="NAME",
+        help="Which outline is the field, where the file holds several.",
+        show_default="the only one, or all if they adjoin",
+        rich_help_panel=FIELD,
+    ),
+]
+Fence = Annotated[
+    float,
+    typer.Option(
+        metavar="M",
+        help="How far outside the field a reading still belongs to it.",
+        min=0.0,
         rich_help_panel=FIELD,
     ),
 ]

@@ -12,6 +12,7 @@ from subsoil.arrays import Floats
 from subsoil.cli.field import (
     Crs,
     Edges,
+    Fence,
     Mapped,
     OptionalConeArea,
     PositionsFile,
@@ -29,6 +30,7 @@ from subsoil.cli.options import (
 from subsoil.errors import ParameterError, brief
 from subsoil.findings import left_out
 from subsoil.io.read.readings import read_readings
+from subsoil.io.read.strays import FENCE_M
 from subsoil.journal import is_foreign, read_events
 from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
@@ -91,7 +93,7 @@ class MaterialOptions:
 
     Attributes
     ----------
-    readings, layers, cone_area, reading_unit, crs, map, reader, positions
+    readings, layers, cone_area, reading_unit, crs, fence, map, reader, positions
         The file, and how to read it.
     estimator, setting
         How variograms are estimated.
@@ -107,6 +109,7 @@ class MaterialOptions:
     map: Mapped = None
     reader: ReaderName = ""
     positions: PositionsFile = None
+    fence: Fence = FENCE_M
 
     def read(self, field: Field | None) -> Material:
         """Readings of the file or the survey, those of a field if there is one.
@@ -133,6 +136,7 @@ class MaterialOptions:
             meanings=meanings_of(self.map),
             reader=self.reader,
             positions=self.positions,
+            fence_m=self.fence,
         )
         layers = layers_of(self.layers)
         fine = finer_than_readings(readings, layers)

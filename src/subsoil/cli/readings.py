@@ -8,7 +8,7 @@ from dataclasses import asdict
 import numpy as np
 
 from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of
-from subsoil.cli.field import Block, Boundary, CellSize, OptionalBoundary
+from subsoil.cli.field import Block, Boundary, CellSize, FieldName, OptionalBoundary
 from subsoil.cli.figures import FigureFormat
 from subsoil.cli.found import exit_for, said
 from subsoil.cli.material import Material, MaterialOptions
@@ -32,6 +32,7 @@ def make_map(
     boundary: Boundary,
     out: Out,
     cell: CellSize = 5.0,
+    name: FieldName = "",
     covariate: CovariateFile = None,
     column: Column = None,
     drift: Drift = "auto",
@@ -41,12 +42,13 @@ def make_map(
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     require(GEOTIFF, FIGURES)
-    field = read_field(boundary, crs=given.crs, cell_size=cell)
+    field = read_field(boundary, crs=given.crs, cell_size=cell, name=name)
     material = given.read(field)
     found, chosen = material.readings, given.estimator_of(material)
     alike = isinstance(chosen, Pooled) and covariate is None
     material.check_memory(alike=alike, cells=len(field.cells))
-    known = covariate_of(covariate, column, field, given.crs)
+    known, odd = covariate_of(covariate, column, field, given.crs)
+    findings = (*found.findings, *odd)
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
     soil_map = krige(field, found, fits)
     skills = _skills(material, fits)
@@ -56,25 +58,26 @@ def make_map(
         "area_ha": field.area_ha,
         "samples": len(found),
         "std_dev_kpa": float(np.sqrt(soil_map.field_kv)),
-        **said(found.findings, (*soil_map.notes, *unskilled(skills)), as_json=as_json),
+        **said(findings, (*soil_map.notes, *unskilled(skills)), as_json=as_json),
         "drift": [material.layers.names[k] for k in fits.drift],
         "maps": write_geotiffs(soil_map, folder(out)),
         "figures": save_all(draw_readings(soil_map, fits.fits), out, figures),
     }
     title = "Leave-one-out (skill 0: no better than the mean; calibration 1: honest)"
     _tell_scored(about, title, material, [asdict(each) for each in skills], units, as_json)
-    exit_for(found.findings)
+    exit_for(findings)
 
 
 @grouped
 def variogram(
     given: MaterialOptions,
     boundary: OptionalBoundary = None,
+    name: FieldName = "",
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show empirical variograms with pair counts, and what was fitted to them."""
-    material = given.read(read_field(boundary, crs=given.crs) if boundary else None)
+    material = given.read(read_field(boundary, crs=given.crs, name=name) if boundary else None)
     chosen = given.estimator_of(material)
     if not isinstance(chosen, LeastSquares):
         check_memory(len(material.readings))
@@ -105,12 +108,13 @@ def _tell_fits(material: Material, fits: Fits, units: System) -> None:
 def cv(
     given: MaterialOptions,
     boundary: OptionalBoundary = None,
+    name: FieldName = "",
     block: Block = 50.0,
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Leave readings out, one by one and by blocks, and score kriging against the mean."""
-    material = given.read(read_field(boundary, crs=given.crs) if boundary else None)
+    material = given.read(read_field(boundary, crs=given.crs, name=name) if boundary else None)
     found = material.readings
     material.check_memory(alike=False)
     fits = fit(found, material.layers, given.estimator_of(material))

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 import typer
 
 from subsoil.cli.covariate import Column, CovariateFile, covariate_of
-from subsoil.cli.field import Boundary, CellSize, ConeArea, Crs, Edges, KeepOuts
+from subsoil.cli.field import Boundary, CellSize, ConeArea, Crs, Edges, FieldName, KeepOuts
 from subsoil.cli.found import exit_for, said
 from subsoil.cli.inspect import summary, tell_survey
 from subsoil.cli.limits import LimitOptions
@@ -83,6 +83,7 @@ class RobotOptions:
 def init(
     survey: SurveyFile,
     boundary: Boundary,
+    name: FieldName = "",
     cell: CellSize = 5.0,
     cone_area: ConeArea = 130.0,
     cone_angle: Annotated[
@@ -98,8 +99,9 @@ def init(
     as_json: AsJson = False,
 ) -> None:
     """Start a survey of a field."""
-    field = read_field(boundary, crs=crs, cell_size=cell, keep_outs=keep_outs)
-    known = covariate_of(covariate, column, field, crs)
+    field = read_field(boundary, crs=crs, cell_size=cell, keep_outs=keep_outs, name=name)
+    known, odd = covariate_of(covariate, column, field, crs)
+    findings = (*field.findings, *odd)
     cone = Cone(cone_area, cone_angle)
     opened = opening(field, layers_of(layers), cone, known.values.tolist())
     with create(survey, opened):
@@ -113,10 +115,10 @@ def init(
         "cells": len(field.cells),
         "cone_area_mm2": cone_area,
         "force_limit_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
-        **said(field.findings, as_json=as_json),
+        **said(findings, as_json=as_json),
     }
     tell(result, as_json, SYSTEMS[units])
-    exit_for(field.findings)
+    exit_for(findings)
 
 
 @grouped

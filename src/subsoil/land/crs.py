@@ -22,11 +22,15 @@ if TYPE_CHECKING:
 WGS84 = "EPSG:4326"
 """Longitude and latitude as satellite receivers give them."""
 
-MOST_STRETCH = 0.002
-"""Share by which metres of a frame may differ from metres on the ground; UTM's do by 0.001."""
+MOST_STRETCH = 0.001
+"""Share by which metres of a frame may differ from metres on the ground: UTM's at a zone's edge."""
+
+NEAR_M = 1.0
+"""Distance in m up to which the way between two frames is as good as exact."""
+MOST_OFF_M = 5.0
+"""Distance in m up to which the way between two frames may be known: a cell, a receiver's error."""
 
 _STRETCH_M = 100.0
-_WIDEST_COUNTRY_FRAME_DEG = 30
 
 
 def utm_crs(longitude: float, latitude: float) -> str:
@@ -36,7 +40,10 @@ def utm_crs(longitude: float, latitude: float) -> str:
     --------
     >>> utm_crs(-0.527, 53.26), utm_crs(151.2, -33.9)
     ('EPSG:32630', 'EPSG:32756')
+    >>> utm_crs(180.1, -16.8), utm_crs(179.9, -16.8)
+    ('EPSG:32701', 'EPSG:32760')
     """
+    longitude -= 360 if longitude > 180 else 0
     zone = min(int((longitude + 180) // 6) + 1, 60)
     return f"EPSG:{(32600 if latitude >= 0 else 32700) + zone}"
 
@@ -77,6 +84,30 @@ def check_metric(name: str, where: str) -> None:
             where=where,
             remedy="use a projected CRS in metres, such as the UTM zone of the field",
         )
+
+
+def is_degrees(name: str) -> bool:
+    """Whether a CRS measures longitude and latitude, of whatever datum.
+
+    Examples
+    --------
+    >>> is_degrees("EPSG:4258"), is_degrees("EPSG:32631"), is_degrees("")
+    (True, False, False)
+    """
+    return bool(name) and (name == WGS84 or named_crs(name, "CRS").is_geographic)
+
+
+def foreign_unit(name: str) -> str:
+    """Unit of a projected CRS that does not measure in metres; empty if it does.
+
+    Examples
+    --------
+    >>> foreign_unit("EPSG:2263"), foreign_unit("EPSG:32631")
+    ('US survey foot', '')
+    """
+    crs = named_crs(name, "CRS") if name else None
+    units = {axis.unit_name for axis in crs.axis_info} if crs and crs.is_projected else set()
+    return "" if units <= {"metre"} else listed(sorted(units))
 
 
 def stretch(name: str, at: tuple[float, float]) -> float:
@@ -125,7 +156,7 @@ def metres_frame(name: str, at: tuple[float, float]) -> str:
     """Frame to work in at a place of another: that one, or the UTM zone if its metres are not.
 
     National grids and UTM zones stay as they are; Web Mercator and frames of whole continents,
-    more than 0.2 % off at this place, do not.
+    more than 0.1 % off at this place, do not.
 
     Parameters
     ----------
@@ -158,16 +189,62 @@ def project(source: str, target: str, x: ArrayLike, y: ArrayLike) -> Floats:
     Raises
     ------
     BoundaryError
-        If a frame has no name or an unknown one, or if the exact transformation needs a grid
-        that is not installed: an approximate one would move the field by metres.
+        If a frame has no name or an unknown one, or if the way between the two is not known to
+        5 m there: it would move the field by more than a cell.
     """
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    off = accuracy(source, target, x, y)
+    if not off <= MOST_OFF_M:
+        known = f"to within {off:.0f} m only" if np.isfinite(off) else "to nobody"
+        raise BoundaryError(
+            f"the exact transformation from {brief(source)} to {brief(target)} is not at hand, "
+            f"another is known {known}",
+            where="CRS",
+            remedy="export everything in WGS84 from a program that has the grids of the old datum",
+        )
+    return np.column_stack(_transformer(source, target).transform(x, y))
+
+
+def accuracy(source: str, target: str, x: ArrayLike, y: ArrayLike) -> float:
+    """Error in m of the best way known here from one frame to another, in the middle of places.
+
+    The registry's own word on the operation that PROJ chooses there; infinite where nothing is
+    known, or the only ones known need a grid that is not installed.
+
+    Raises
+    ------
+    BoundaryError
+        If a frame has no name or an unknown one.
+
+    Examples
+    --------
+    >>> accuracy("EPSG:28992", WGS84, 174000.0, 444000.0)
+    1.0
+    >>> accuracy("EPSG:27700", WGS84, 500000.0, 380000.0) <= 2
+    True
+    """
+    from pyproj.exceptions import ProjError
+
     transformer = _transformer(source, target)
-    return np.column_stack(transformer.transform(np.asarray(x), np.asarray(y)))
+    if source == target or not np.size(x):
+        return 0.0
+    end = transformer.transform(np.median(np.asarray(x)), np.median(np.asarray(y)))
+    if not np.isfinite(end).all():
+        return 0.0 if _datum(source) == _datum(target) else np.inf
+    try:
+        off = transformer.get_last_used_operation().accuracy
+    except ProjError:  # there is but one
+        off = transformer.accuracy
+    return float(off) if off is not None and off >= 0 else np.inf
+
+
+def _datum(name: str) -> object:
+    return named_crs(name, "CRS").datum
 
 
 @cache
 def _transformer(source: str, target: str) -> Transformer:
-    from pyproj.transformer import TransformerGroup
+    from pyproj import Transformer
 
     if not (source and target):
         raise BoundaryError(
@@ -178,47 +255,5 @@ def _transformer(source: str, target: str) -> Transformer:
         )
     ends = named_crs(source, "CRS"), named_crs(target, "CRS")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of a missing grid: reported below
-        group = TransformerGroup(*ends, always_xy=True)
-    if not group.best_available:
-        raise BoundaryError(
-            f"the exact transformation from {brief(source)} to {brief(target)} "
-            "needs a grid that is missing",
-            where="CRS",
-            remedy="give coordinates as WGS84 longitude and latitude",
-        )
-    return group.transformers[0]
-
-
-def looks_swapped(longitude: float, latitude: float) -> bool:
-    """Whether a place is surely at sea, and its mirror image with the numbers swapped is on land.
-
-    Land is where a country keeps a frame of its own, by the rectangles of the EPSG registry. They
-    overlap the sea, so many a swap goes unnoticed, but a field on land is not taken for one.
-
-    Examples
-    --------
-    >>> looks_swapped(53.26, -0.53), looks_swapped(-0.53, 53.26)
-    (True, False)
-    """
-    if max(abs(longitude), abs(latitude)) > 90:
-        return False
-    at_sea = not _countries(longitude, latitude)
-    return at_sea and any("onshore" in name for name in _countries(latitude, longitude))
-
-
-@cache
-def _countries(longitude: float, latitude: float) -> frozenset[str]:
-    """Names of areas of use that belong to a country and not to a zone, ocean or continent."""
-    from pyproj.aoi import AreaOfInterest
-    from pyproj.database import query_crs_info
-    from pyproj.enums import PJType
-
-    kinds = [PJType.PROJECTED_CRS, PJType.GEOGRAPHIC_2D_CRS]
-    here = AreaOfInterest(longitude, latitude, longitude, latitude)
-    found = query_crs_info("EPSG", kinds, here, contains=True)
-    areas = [info.area_of_use for info in found if info.area_of_use]
-    names = (
-        area.name or "" for area in areas if 0 < area.east - area.west < _WIDEST_COUNTRY_FRAME_DEG
-    )
-    return frozenset(name for name in names if name and not name.startswith("Between"))
+        warnings.simplefilter("ignore", UserWarning)  # of a missing grid: accuracy tells
+        return Transformer.from_crs(*ends, always_xy=True)

@@ -102,7 +102,8 @@ class Field:
             check_outline(area, f"{self.name}, keep-out {k + 1}")
         if not self._probeable.area > 0:
             raise BoundaryError("keep-outs cover the whole field", where=self.name)
-        check_extent(self.boundary, self.cell_size, self.name)
+        check_extent(self.boundary.bounds, self.cell_size, self.name)
+        shapely.prepare(self._probeable)
         if not len(self.cells):
             raise BoundaryError(
                 f"no cell of {self.cell_size:g} m has its centre inside the field",
@@ -239,6 +240,12 @@ class Field:
                 f"{place.tolist()} is no place", where=f"{self.name}, nearest cell"
             )
         return int(np.argmin(((self.cells - place) ** 2).sum(axis=1)))
+
+    def metres_away(self, at: ArrayLike) -> Floats:
+        """(n,) distances in m of (n, 2) places from where one may probe."""
+        at = np.atleast_2d(np.asarray(at, dtype=float))
+        away = np.asarray(shapely.distance(shapely.points(at), self._probeable))
+        return np.where(np.isfinite(away), away, np.inf)
 
     def contains(self, at: ArrayLike) -> Bools:
         """Whether (n, 2) places in m lie in the field or on its edge, and not in a keep-out."""

@@ -12,10 +12,11 @@ from shapely.geometry import LinearRing, MultiPolygon, Polygon
 from shapely.validation import explain_validity
 
 from subsoil.errors import BoundaryError
-from subsoil.land.crs import looks_swapped
+from subsoil.land.swaps import looks_swapped
 
 Area = Polygon | MultiPolygon
 
+_FIRST = 1000
 _MOST_CELLS = 25_000_000
 _ORDER = "GeoJSON wants longitude first, .coords files want latitude first"
 
@@ -40,7 +41,8 @@ def polygon(vertices: ArrayLike, where: str) -> Polygon:
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
         raise BoundaryError("a vertex is not a number", where=f"{where}, vertex {bad[0] + 1}")
-    corners = len(np.unique(points, axis=0))
+    corners = len(np.unique(points[:_FIRST], axis=0))
+    corners = corners if corners > 2 else len(np.unique(points, axis=0))
     if corners < 3:
         raise BoundaryError(
             f"an outline needs three different corners, this has {corners}", where=where
@@ -70,15 +72,24 @@ def check_outline(area: Area, where: str) -> None:
         )
 
 
-def check_extent(area: Area, cell_size: float, where: str) -> None:
+def check_extent(bounds: tuple[float, float, float, float], cell_size: float, where: str) -> None:
     """Check that an outline in m is as large as a field.
+
+    Parameters
+    ----------
+    bounds
+        West, south, east and north in m.
+    cell_size
+        Side of a cell in m.
+    where
+        File or field, for messages.
 
     Raises
     ------
     BoundaryError
-        If it looks like degrees, or needs more cells than a map can hold.
+        If it looks like degrees or kilometres, or needs more cells than a map can hold.
     """
-    west, south, east, north = area.bounds
+    west, south, east, north = bounds
     span = max(east - west, north - south)
     if span < 1.0 and max(abs(west), abs(east)) <= 180 and max(abs(south), abs(north)) <= 90:
         raise BoundaryError(
@@ -86,12 +97,31 @@ def check_extent(area: Area, cell_size: float, where: str) -> None:
             where=where,
             remedy="give longitude and latitude as GeoJSON or .coords, or project to metres",
         )
+    if looks_like_kilometres(bounds):
+        raise BoundaryError(
+            f"the outline is {span:.4g} m wide: these look like kilometres, not metres",
+            where=where,
+            remedy="write easting and northing in metres",
+        )
     if (east - west) / cell_size * ((north - south) / cell_size) > _MOST_CELLS:
         raise BoundaryError(
             f"the outline is {span / 1000:.3g} km wide, far more than {cell_size:g} m cells cover",
             where=where,
             remedy="check the coordinates, or use larger cells",
         )
+
+
+def looks_like_kilometres(bounds: tuple[float, float, float, float]) -> bool:
+    """Whether a box (west, south, east, north) is a field on a UTM zone or national grid in km.
+
+    Examples
+    --------
+    >>> looks_like_kilometres((665.0, 5904.0, 665.2, 5904.1))
+    True
+    """
+    west, south, east, north = bounds
+    small = 0 < max(east - west, north - south) < 10.0
+    return small and 100 <= abs(east) < 1000 and 1000 <= abs(north) < 10_000
 
 
 def check_lonlat(bounds: tuple[float, float, float, float], where: str) -> None:
@@ -103,6 +133,7 @@ def check_lonlat(bounds: tuple[float, float, float, float], where: str) -> None:
         If they are out of range, or fall in the sea and their mirror image on land.
     """
     west, south, east, north = bounds
+    east = 180.0 if west <= 180 < east < 181 else east  # over the antimeridian
     if max(abs(west), abs(east)) > 180 or max(abs(south), abs(north)) > 90:
         metric = max(abs(west), abs(east), abs(south), abs(north)) > 360
         raise BoundaryError(

@@ -1,18 +1,20 @@
 """Fields from files of their outlines.
 
 ========================  =====================================================================
-``.geojson`` ``.json``    WGS84 longitude, latitude (RFC 7946); a member ``crs`` that names a
-                          metric CRS, as older programs write it, is honoured
+``.geojson`` ``.json``    WGS84 longitude, latitude (RFC 7946); a member ``crs`` that names
+                          another CRS, as older programs write it, is honoured
 ``.coords``               a corner a line, WGS84 latitude, longitude in decimal degrees
 ``.csv`` ``.txt``         a corner a line under a header ``easting,northing`` (metres) or
                           ``lat,lon``; without a header, metres in the CRS that the caller names
-``.gpkg`` ``.shp``        one layer of polygons in WGS84 or metres; pyogrio reads it
-``.kml``                  polygons of placemarks, WGS84
+``.gpkg`` ``.shp``        a layer of polygons; pyogrio reads it
+``.kml`` ``.kmz``         polygons of placemarks, WGS84; closed lines and tracks without them
+``.gpx``                  a track that comes back to where it starts, WGS84
+``.zip``                  any of these, packed, such as the parts of a shapefile
 ========================  =====================================================================
 
-One polygon is the field. Further polygons whose property ``role`` is ``"keep-out"`` are areas in
-which nothing is probed. Points, lines and layers of them beside it are not used, and the notes of
-the field name them.
+One polygon is the field, or several that adjoin; of others the caller names one. Polygons whose
+property ``role`` is ``"keep-out"`` are areas in which nothing is probed, and so are holes. Points,
+lines and layers of them beside it are not used, and the findings of the field name them.
 """
 
 from __future__ import annotations
@@ -23,29 +25,35 @@ from pathlib import Path
 
 import shapely
 
-from subsoil.errors import BoundaryError, brief
+from subsoil.errors import BoundaryError, brief, printable
 from subsoil.findings import Finding
+from subsoil.io.read.archive import ARCHIVES, read_archive
 from subsoil.io.read.corners import read_coords, read_corners
 from subsoil.io.read.geofile import read_geofile
 from subsoil.io.read.geojson import read_geojson
+from subsoil.io.read.gpx import read_gpx
+from subsoil.io.read.home import exactness, home_of, moved
 from subsoil.io.read.kml import read_kml
-from subsoil.io.read.outlines import KEEP_OUT, Outlines
+from subsoil.io.read.outlines import Outlines
+from subsoil.io.read.parcels import chosen, joined
 from subsoil.io.read.text import check_file
-from subsoil.land.crs import WGS84, metres_frame, project, stretch
 from subsoil.land.field import Field
 from subsoil.land.outline import Area
 
-READERS: dict[str, Callable[[Path, str | None], Outlines]] = {
-    ".geojson": read_geojson,
-    ".json": read_geojson,
-    ".coords": lambda path, _: read_coords(path),
-    ".csv": read_corners,
-    ".txt": read_corners,
+READERS: dict[str, Callable[[Path, str | None, str], Outlines]] = {
+    ".geojson": lambda path, crs, _: read_geojson(path, crs),
+    ".json": lambda path, crs, _: read_geojson(path, crs),
+    ".coords": lambda path, *_: read_coords(path),
+    ".csv": lambda path, crs, _: read_corners(path, crs),
+    ".txt": lambda path, crs, _: read_corners(path, crs),
     ".gpkg": read_geofile,
     ".shp": read_geofile,
-    ".kml": lambda path, _: read_kml(path),
+    ".kml": lambda path, *_: read_kml(path),
+    ".gpx": lambda path, *_: read_gpx(path),
 }
-"""Reader of each suffix: from a path and the CRS of a file that names none to its outlines."""
+"""Reader of each suffix: from a path, the CRS of a file that names none, and a name to look for."""
+SUFFIXES = (*READERS, *ARCHIVES)
+"""Suffixes of files of outlines."""
 
 
 def read_field(
@@ -54,6 +62,7 @@ def read_field(
     crs: str | None = None,
     cell_size: float = 5.0,
     keep_outs: str | Path | None = None,
+    name: str = "",
 ) -> Field:
     """Read a field from a file of its outline.
 
@@ -68,13 +77,16 @@ def read_field(
         Side of a cell in m.
     keep_outs
         File in one of the same formats; nothing is probed in any of its polygons.
+    name
+        Which outline is the field, where the file holds several: its property ``name``, or the
+        layer or packed file that holds it.
 
     Returns
     -------
     Field
         In the frame of the file if its metres are metres on the ground there, else in the UTM
-        zone of its centre; named after the file. Its findings say what was moved, and what of the
-        files is not used.
+        zone of its centre; named as in the file, or after it. Its findings say what was moved or
+        joined, and what of the files is not used.
 
     Raises
     ------
@@ -87,59 +99,78 @@ def read_field(
         If the cell size is not positive.
     """
     path = Path(path)
-    found = _read(path, crs)
-    field = _field(found, cell_size, path.name)
+    found = outlines_in(path, crs, name)
+    field, said = _field(found, name, cell_size, path.name)
     barred = _place(found.keep_outs, found.crs, field, path.name)
-    findings = (*field.findings, *found.findings, *_idle(barred, field, path.name))
+    findings = (*said, *found.findings, *_idle(barred, field, path.name))
     if keep_outs is not None:
         file = Path(keep_outs)
-        other = _read(file, crs)
-        more = _place(other.outlines + other.keep_outs, other.crs, field, file.name)
-        barred, findings = (
-            barred + more,
-            (*findings, *other.findings, *_idle(more, field, file.name)),
-        )
-    return replace(field, keep_outs=barred, findings=findings) if barred or findings else field
+        other = outlines_in(file, crs, "")
+        areas = (*(each.area for each in other.parcels), *other.keep_outs)
+        more = _place(areas, other.crs, field, file.name)
+        barred += more
+        findings += (*other.findings, *_idle(more, field, file.name))
+    return replace(field, keep_outs=barred, findings=findings, name=_name(found, field, name))
 
 
-def _read(path: Path, crs: str | None) -> Outlines:
+def outlines_in(path: Path, crs: str | None, name: str) -> Outlines:
+    """What a file shows, by the reader of its suffix.
+
+    Raises
+    ------
+    BoundaryError
+        If nothing reads files with this suffix, or its reader refuses it.
+    """
     check_file(path, BoundaryError)
-    reader = READERS.get(path.suffix.lower())
+    suffix = path.suffix.lower()
+    if suffix in ARCHIVES:
+        return read_archive(path, READERS, crs, name)
+    reader = READERS.get(suffix)
     if reader is None:
         raise BoundaryError(
             "nothing reads outlines from files with this suffix",
             where=path.name,
-            remedy=f"save it as one of {' '.join(READERS)}",
+            remedy=f"save it as one of {' '.join(SUFFIXES)}",
         )
-    return reader(path, crs)
+    return reader(path, crs, name)
 
 
-def _field(found: Outlines, cell_size: float, name: str) -> Field:
-    if len(found.outlines) != 1:
-        raise BoundaryError(
-            f"it holds {len(found.outlines)} outlines, not one",
-            where=name,
-            remedy=f'leave one, and give keep-outs the property "role": "{KEEP_OUT}"',
-        )
-    (outline,) = found.outlines
-    if found.crs == WGS84:
-        return Field.from_lonlat(outline, cell_size=cell_size, name=name)
-    field = Field(outline, found.crs, (), cell_size, name)
-    home = metres_frame(field.crs, field.entrance) if field.crs else ""
-    if home == field.crs:
-        return field
-    moved = Field.from_lonlat(
-        _move(outline, field.crs, WGS84, name), cell_size=cell_size, name=name
-    )
-    off = 100 * stretch(field.crs, field.entrance)
-    seen = f"metres of {brief(field.crs)} are {off:.2g} % off here, so it is kept in {moved.crs}"
-    return replace(moved, findings=(Finding(seen, file=name),))
+def _field(
+    found: Outlines, name: str, cell_size: float, file: str
+) -> tuple[Field, tuple[Finding, ...]]:
+    """Field of the parcels of a file, called after the file, and what was done to make it one."""
+    parcels, others = chosen(found.parcels, name, file)
+    bounds = shapely.MultiPolygon(
+        [p for each in parcels for p in shapely.get_parts(each.area)]
+    ).bounds
+    home, why = home_of(found.crs, bounds, cell_size, file)
+    here = [replace(p, area=moved(p.area, found.crs, home, file)) for p in parcels]
+    area, together = joined(here, file)
+    field = Field(area, home, (), cell_size, file)
+    return field, (*why, *exactness(field, file), *others, *together, *_holes(area, file))
+
+
+def _name(found: Outlines, field: Field, name: str) -> str:
+    """What a field is called: as its parcels are, or after its file."""
+    parcels, _ = chosen(found.parcels, name, field.name)
+    names = list(dict.fromkeys(each.name for each in parcels if each.name))
+    return printable(brief(" and ".join(names), 60)) or field.name
+
+
+def _holes(area: Area, file: str) -> tuple[Finding, ...]:
+    """Say that holes of an outline are kept out of, if it has any."""
+    holes = [hole for part in shapely.get_parts(area) for hole in part.interiors]
+    if not holes:
+        return ()
+    hectares = sum(shapely.Polygon(hole).area for hole in holes) / 10_000
+    what = "a hole" if len(holes) == 1 else f"{len(holes)} holes"
+    seen = f"the outline has {what} of {hectares:.2g} ha"
+    return (Finding(seen, "nothing is probed there", file=file),)
 
 
 def _place(areas: tuple[Area, ...], crs: str, field: Field, file: str) -> tuple[Area, ...]:
     """Keep-outs in the frame of the field."""
-    if crs != field.crs:
-        areas = tuple(_move(area, crs, field.crs, file) for area in areas)
+    areas = tuple(moved(area, crs, field.crs, file) for area in areas)
     if areas and not any(area.intersects(field.boundary) for area in areas):
         raise BoundaryError(
             "no keep-out touches the field",
@@ -154,10 +185,3 @@ def _idle(areas: tuple[Area, ...], field: Field, file: str) -> tuple[Finding, ..
     idle = sum(not area.intersects(field.boundary) for area in areas)
     seen = f"{idle} of {len(areas)} keep-outs do not touch the field"
     return (Finding(seen, file=file),) if idle else ()
-
-
-def _move(area: Area, source: str, target: str, file: str) -> Area:
-    try:
-        return shapely.transform(area, lambda xy: project(source, target, xy[:, 0], xy[:, 1]))
-    except BoundaryError as error:
-        raise BoundaryError(error.what, where=file, remedy=error.remedy) from error

@@ -7,16 +7,25 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.errors import ShapelyError
-from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry import GeometryCollection, LineString, MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
 
 from subsoil.errors import BoundaryError, InputError, brief, listed
 from subsoil.io.read.alone import alone
-from subsoil.io.read.outlines import NOTHING, Feature, Outlines, frame, left_alone, outlines_of
+from subsoil.io.read.outlines import (
+    NOTHING,
+    Feature,
+    Outlines,
+    frame,
+    left_alone,
+    name_among,
+    outlines_of,
+)
 from subsoil.io.read.text import check_file
+from subsoil.land.outline import Area
 from subsoil.optional import load
 
 
@@ -33,17 +42,20 @@ class Layer:
     fields
         (n,) values of each attribute, by its name.
     others
-        Layers of other shapes that the file has.
+        Layers that the file has beside it.
+    asked_for
+        Whether it was chosen by its name among several.
     """
 
     crs: str
     shapes: NDArray[Any]
     fields: dict[str, NDArray[Any]]
     others: tuple[str, ...] = ()
+    asked_for: bool = False
 
 
-def read_geofile(path: Path, crs: str | None) -> Outlines:
-    """Read the only layer of polygons of a file.
+def read_geofile(path: Path, crs: str | None, name: str = "") -> Outlines:
+    """Read a layer of polygons of a file.
 
     Parameters
     ----------
@@ -51,6 +63,8 @@ def read_geofile(path: Path, crs: str | None) -> Outlines:
         The file.
     crs
         Frame of a file that does not name one, such as a shapefile without its ``.prj``.
+    name
+        Which layer to read, where there are several, if it is called that.
 
     Raises
     ------
@@ -59,7 +73,7 @@ def read_geofile(path: Path, crs: str | None) -> Outlines:
     MissingExtraError
         If pyogrio is not installed.
     """
-    layer = read_layer(path, "Polygon", BoundaryError)
+    layer = read_layer(path, "Polygon", BoundaryError, name)
     home = layer.crs or crs
     if not home:
         raise BoundaryError(
@@ -67,15 +81,16 @@ def read_geofile(path: Path, crs: str | None) -> Outlines:
             where=path.name,
             remedy="keep the .prj file beside it, or name the CRS",
         )
-    roles = layer.fields.get("role", np.full(len(layer.shapes), ""))
-    features = _features(layer.shapes, roles, path.name)
+    features = list(_features(layer, path.name))
+    if layer.asked_for:
+        features = [replace(each, name=name) for each in features]
     found = outlines_of(features, frame(home, path.name), path.name)
     others = left_alone([f"layer {name}" for name in layer.others], path.name)
     return replace(found, findings=(*found.findings, *others))
 
 
-def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:
-    """Read the only layer of a kind of shape.
+def read_layer(path: Path, kind: str, wrong: type[InputError], called: str = "") -> Layer:
+    """Read the only layer of a kind of shape, or the one of a name.
 
     Parameters
     ----------
@@ -85,6 +100,8 @@ def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:
         ``"Polygon"`` or ``"Point"``.
     wrong
         Kind of error to raise.
+    called
+        Which layer to read, where there are several.
 
     Raises
     ------
@@ -100,7 +117,7 @@ def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:
         _check_prj(copy.with_suffix(".prj"), path, wrong)
         try:
             layers = [(name, of) for name, of in pyogrio.list_layers(copy) if of]
-            name = _named(layers, kind, path.name, wrong)
+            name, asked_for = _named(layers, kind, called, path.name, wrong)
             meta, _, shapes, columns = pyogrio.raw.read(copy, layer=name, force_2d=True)
         except (RuntimeError, ValueError) as error:
             said = " ".join(str(error).split())
@@ -111,7 +128,7 @@ def read_layer(path: Path, kind: str, wrong: type[InputError]) -> Layer:
             ) from error
     fields = dict(zip(meta["fields"], columns, strict=True))
     others = tuple(str(each) for each, _ in layers if each != name)
-    return Layer(meta["crs"] or "", shapes, fields, others)
+    return Layer(meta["crs"] or "", shapes, fields, others, asked_for)
 
 
 def _check_prj(prj: Path, path: Path, wrong: type[InputError]) -> None:
@@ -128,24 +145,56 @@ def _check_prj(prj: Path, path: Path, wrong: type[InputError]) -> None:
         ) from error
 
 
-def _features(shapes: NDArray[Any], roles: NDArray[Any], file: str) -> Iterator[Feature]:
-    for k, (shape, role) in enumerate(zip(shapes, roles, strict=True), 1):
-        where = f"{file}, feature {k}"
+def _features(layer: Layer, file: str) -> Iterator[Feature]:
+    for k, shape in enumerate(layer.shapes):
+        properties = {key: _word(column[k]) for key, column in layer.fields.items()}
+        name, role = name_among(properties), properties.get("role", "")
+        where = f"{file}, feature {k + 1}" + (f" ({brief(name)})" if name else "")
         try:
             geometry = shapely.from_wkb(shape) if shape else None
         except ShapelyError as error:
-            raise BoundaryError("its geometry cannot be read", where=where) from error
-        kind = NOTHING if geometry is None else geometry.geom_type
-        area = geometry if isinstance(geometry, Polygon | MultiPolygon) else kind
-        yield Feature(where, area, str(role or ""))
+            raise BoundaryError(
+                "its geometry cannot be read",
+                where=where,
+                remedy="curves are no outline: export it with straight edges",
+            ) from error
+        for each in _shapes(geometry):
+            yield Feature(where, each, role, name)
 
 
-def _named(layers: list[tuple[str, str]], kind: str, file: str, wrong: type[InputError]) -> str:
-    names = [name for name, of in layers if kind in of or of == "Unknown"]
+def _word(value: Any) -> str:
+    return value if isinstance(value, str) else ""
+
+
+def _shapes(geometry: BaseGeometry | None) -> Iterator[Area | LineString | str]:
+    """Areas and lines of a geometry; the names of the kinds of all else."""
+    if geometry is None or geometry.is_empty:
+        yield NOTHING
+    elif isinstance(geometry, GeometryCollection):
+        for part in geometry.geoms:
+            yield from _shapes(part)
+    else:
+        known = geometry if isinstance(geometry, Polygon | MultiPolygon | LineString) else None
+        yield known or geometry.geom_type
+
+
+def _named(
+    layers: list[tuple[str, str]], kind: str, called: str, file: str, wrong: type[InputError]
+) -> tuple[str, bool]:
+    """Name of the layer to read, and whether it was chosen among several."""
+    names = [name for name, of in layers if kind in of or of in ("Unknown", "GeometryCollection")]
+    asked = [name for name in names if name == called] or [
+        name for name in names if called and name.casefold() == called.casefold()
+    ]
+    if len(names) > 1 and asked:
+        return asked[0], True
+    lines = [name for name, of in layers if "LineString" in of]
+    if kind == "Polygon" and not names and len(lines) == 1:
+        return lines[0], False
     if len(names) != 1:
         raise wrong(
             f"layers of {kind.lower()}s: {listed(names) or 'none'}",
             where=file,
-            remedy="save a file with that layer alone",
+            remedy="choose one with --name" if names else "save a file with that layer alone",
         )
-    return names[0]
+    return names[0], False

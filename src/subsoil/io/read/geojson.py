@@ -10,10 +10,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from shapely.geometry import MultiPolygon, Polygon
+import numpy as np
+from shapely.geometry import LineString, MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.read.outlines import NOTHING, Feature, Outlines, frame, outlines_of
+from subsoil.io.read.outlines import NOTHING, Feature, Outlines, frame, name_among, outlines_of
 from subsoil.io.read.text import read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import Area, polygon
@@ -107,37 +108,68 @@ def _home(document: dict[str, Any], file: str) -> str:
 
 
 def _features(document: dict[str, Any], file: str) -> Iterator[Feature]:
-    if document.get("type") == "Feature":
-        yield _feature(document, file)
-    elif document.get("type") == "FeatureCollection":
+    kind = document.get("type")
+    foreign = "TopoJSON" if kind == "Topology" else "Esri JSON" if "rings" in document else ""
+    if foreign or "geometryType" in document:
+        raise BoundaryError(
+            f"this is {foreign or 'Esri JSON'}, not GeoJSON",
+            where=file,
+            remedy="export it again as GeoJSON",
+        )
+    if kind == "Feature":
+        yield from _feature(document, file)
+    elif kind == "FeatureCollection":
         features = document.get("features")
         for k, feature in enumerate(features if isinstance(features, list) else [], 1):
-            yield _feature(feature, f"{file}, feature {k}")
+            yield from _feature(feature, f"{file}, feature {k}")
     else:
-        yield Feature(file, _shape(document, file))
+        yield from (Feature(file, shape) for shape in _shapes(document, file))
 
 
-def _feature(feature: Any, where: str) -> Feature:
+def _feature(feature: Any, where: str) -> Iterator[Feature]:
     if not (isinstance(feature, dict) and feature.get("type") == "Feature"):
         raise BoundaryError("this is not a Feature", where=where, remedy="export it again")
     properties = feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
-    if properties.get("name"):
-        where = f"{where} ({brief(str(properties['name']))})"
-    return Feature(where, _shape(feature.get("geometry"), where), str(properties.get("role", "")))
+    name, role = name_among(properties), str(properties.get("role", ""))
+    where = f"{where} ({brief(name)})" if name else where
+    for shape in _shapes(feature.get("geometry"), where):
+        yield Feature(where, shape, role, name)
 
 
-def _shape(geometry: Any, where: str) -> Area | str:
-    """Area of a geometry; the name of its kind if it is none."""
+def _shapes(geometry: Any, where: str) -> Iterator[Area | LineString | str]:
+    """Areas and lines of a geometry; the names of the kinds of all else."""
     geometry = geometry if isinstance(geometry, dict) else {}
     kind, coordinates = geometry.get("type"), geometry.get("coordinates")
-    if kind not in ("Polygon", "MultiPolygon"):
-        return brief(kind) if isinstance(kind, str) else NOTHING
+    members = geometry.get("geometries")
+    if kind == "GeometryCollection" and isinstance(members, list) and members:
+        for member in members:
+            if isinstance(member, dict) and member.get("type") == kind:
+                raise BoundaryError("it has collections in collections", where=where)
+            yield from _shapes(member, where)
+    elif kind in ("Polygon", "MultiPolygon"):
+        yield _area(kind, coordinates, where)
+    else:
+        line = _line(coordinates) if kind == "LineString" else None
+        yield line or (brief(kind) if isinstance(kind, str) else NOTHING)
+
+
+def _area(kind: str, coordinates: Any, where: str) -> Area:
     if not (isinstance(coordinates, list) and coordinates):
         raise BoundaryError("it has no coordinates", where=where, remedy="draw the outline again")
     if kind == "Polygon":
         return _polygon(coordinates, where)
     return MultiPolygon([_polygon(rings, where) for rings in coordinates])
+
+
+def _line(coordinates: Any) -> LineString | None:
+    """Line of two or more finite vertices, if it is that."""
+    try:
+        corners = np.array([vertex[:2] for vertex in coordinates], dtype=float)
+    except (TypeError, ValueError, OverflowError, KeyError):
+        return None
+    fit = corners.ndim == 2 and corners.shape[1] == 2 and len(corners) > 1
+    return LineString(corners) if fit and np.isfinite(corners).all() else None
 
 
 def _polygon(rings: Any, where: str) -> Polygon:

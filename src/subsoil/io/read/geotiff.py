@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief
 from subsoil.io.read.alone import alone
+from subsoil.io.read.sentinels import Sentinels, sentinels_in
 from subsoil.land.field import Field
 from subsoil.optional import GEOTIFF, load
 
@@ -18,7 +20,27 @@ _ANY_FRAME = "EPSG:32631"
 _MOST_PIXELS = 500_000_000
 
 
-def read_geotiff(path: Path, field: Field, crs: str | None) -> Floats:
+@dataclass(frozen=True)
+class Raster:
+    """One band over the cells of a field.
+
+    Attributes
+    ----------
+    values
+        (N,) means of the cells, NaN where nothing is known.
+    sentinels
+        What among its pixels stands for no data without being declared.
+    coded, odd
+        Cells with a pixel of these, and with one of the odd value.
+    """
+
+    values: Floats
+    sentinels: Sentinels
+    coded: int
+    odd: int
+
+
+def read_geotiff(path: Path, field: Field, crs: str | None) -> Raster:
     """Average the only band over each cell, by area.
 
     Parameters
@@ -29,11 +51,6 @@ def read_geotiff(path: Path, field: Field, crs: str | None) -> Floats:
         The field; its frame is what the raster is brought to.
     crs
         Frame of a file that does not name one, if not the field's.
-
-    Returns
-    -------
-    ndarray
-        (N,) means of the cells, NaN where nothing is known.
 
     Raises
     ------
@@ -50,13 +67,25 @@ def read_geotiff(path: Path, field: Field, crs: str | None) -> Floats:
             rasterio.open(copy, driver="GTiff") as raster,
         ):
             _check(raster, path.name)
-            return _averaged(raster, field, _frame(raster, field, crs, path.name))
+            return _over_cells(raster, field, _frame(raster, field, crs, path.name))
     except rasterio.errors.RasterioError as error:
         raise ReadingsError(
             f"GDAL cannot read it: {brief(' '.join(str(error).split()), 200)}",
             where=path.name,
             remedy="export it again as a GeoTIFF",
         ) from error
+
+
+def _over_cells(raster: Any, field: Field, home: str) -> Raster:
+    pixels: Floats = raster.read(1, masked=True).astype(float).filled(np.nan)
+    found = sentinels_in(pixels.ravel())
+    coded, odd = found.are(pixels), pixels == found.odd
+    values = _averaged(raster, np.where(coded, np.nan, pixels), field, home)
+    touched = [
+        int((_averaged(raster, each.astype(float), field, home) > 0).sum()) if each.any() else 0
+        for each in (coded, odd)
+    ]
+    return Raster(values, found, *touched)
 
 
 def _check(raster: Any, file: str) -> None:
@@ -87,13 +116,13 @@ def _frame(raster: Any, field: Field, crs: str | None, file: str) -> str:
     return str(home)
 
 
-def _averaged(raster: Any, field: Field, home: str) -> Floats:
+def _averaged(raster: Any, pixels: Floats, field: Field, home: str) -> Floats:
     warp, affine = load("rasterio.warp", *GEOTIFF[1:]), load(*GEOTIFF).Affine
     grid, size = field.grid, field.cell_size
     west, north = grid.easting[0] - size / 2, grid.northing[-1] + size / 2
     image = np.full((len(grid.northing), len(grid.easting)), np.nan)
     warp.reproject(
-        raster.read(1, masked=True).astype(float).filled(np.nan),
+        pixels,
         image,
         src_transform=raster.transform,
         src_crs=home or _ANY_FRAME,

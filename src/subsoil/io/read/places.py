@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
-from subsoil.arrays import Floats, Integers
-from subsoil.errors import ReadingsError
+from subsoil.arrays import Floats
+from subsoil.errors import ReadingsError, brief
 from subsoil.findings import Finding
-from subsoil.land.crs import WGS84, check_metric, looks_swapped, metres_frame, project, utm_crs
+from subsoil.land.crs import (
+    NEAR_M,
+    WGS84,
+    accuracy,
+    foreign_unit,
+    is_degrees,
+    metres_frame,
+    project,
+    utm_crs,
+)
 from subsoil.land.field import Field
+from subsoil.land.outline import looks_like_kilometres
+from subsoil.land.swaps import looks_swapped, looks_transposed
 
 _SPOT_M = 0.05
 
@@ -23,7 +33,7 @@ class Places:
     Attributes
     ----------
     x, y
-        (n,) longitude and latitude in degrees, or easting and northing in m.
+        (n,) longitude and latitude in degrees, or easting and northing.
     lonlat
         Which of the two.
     file
@@ -38,31 +48,57 @@ class Places:
     def metres(self, field: Field | None, crs: str | None) -> tuple[Floats, str]:
         """(n, 2) easting and northing in m, and their frame.
 
+        Parameters
+        ----------
+        field
+            The field, whose frame they are brought to; without one, to metres on the ground.
+        crs
+            Frame of easting and northing, if not the field's.
+
         Raises
         ------
         ReadingsError
-            If latitude and longitude look swapped, or metres look like degrees.
+            If x and y look swapped, or metres like degrees or kilometres.
         BoundaryError
             If the way from one frame to the other is unknown.
         """
-        if self.lonlat and field is not None:
-            return field.to_metres(self.x, self.y), field.crs
-        if self.lonlat:
-            home = self._utm()
-            return project(WGS84, home, self.x, self.y), home
-        self._check_metres()
-        if crs is not None:
-            check_metric(crs, self.file)
-        if field is not None:
-            home = field.crs
-        else:
-            home = metres_frame(crs, (float(self.x[0]), float(self.y[0]))) if crs else ""
-        if crs is None or crs == home:
+        source = self._source(crs)
+        if not self.lonlat:
+            self._check_metres(source)
+        home = field.crs if field is not None else self._home(source)
+        if field is not None and self.lonlat and not home:
+            return field.to_metres(self.x, self.y), home
+        if source in ("", home):
             return np.column_stack([self.x, self.y]), home
-        return project(crs, home, self.x, self.y), home
+        return project(source, home, self.x, self.y), home
 
-    def _utm(self) -> str:
-        longitude, latitude = float(np.median(self.x)), float(np.median(self.y))
+    def findings(self, field: Field | None, crs: str | None) -> tuple[Finding, ...]:
+        """How exactly they are brought to the field, unless to a metre or as the field says."""
+        source = self._source(crs)
+        if field is None or source in ("", WGS84, field.crs):
+            return ()
+        off = accuracy(source, field.crs, self.x, self.y)
+        seen = f"places are brought from {brief(source)} to {field.crs} to about {off:.0f} m"
+        return (Finding(seen, file=self.file),) if off > NEAR_M else ()
+
+    def _source(self, crs: str | None) -> str:
+        """Frame of the numbers; empty for that of the field, or a local one."""
+        if self.lonlat:
+            return crs if crs and is_degrees(crs) else WGS84
+        return crs or ""
+
+    def _home(self, source: str) -> str:
+        """Frame in metres on the ground for readings of no field."""
+        if not source:
+            return ""
+        if is_degrees(source) or foreign_unit(source):
+            at = project(source, WGS84, self.x, self.y)
+            wraps = np.ptp(at[:, 0]) > 180
+            longitudes = np.where(wraps & (at[:, 0] < 0), at[:, 0] + 360, at[:, 0])
+            return self._utm(float(np.median(longitudes)), float(np.median(at[:, 1])))
+        return metres_frame(source, (float(self.x[0]), float(self.y[0])))
+
+    def _utm(self, longitude: float, latitude: float) -> str:
         if looks_swapped(longitude, latitude):
             raise ReadingsError(
                 f"longitude {longitude:.3f}, latitude {latitude:.3f} is open sea: "
@@ -72,58 +108,21 @@ class Places:
             )
         return utm_crs(longitude, latitude)
 
-    def _check_metres(self) -> None:
-        span = max(float(np.ptp(self.x)), float(np.ptp(self.y)))
-        degrees = np.abs(self.x).max() <= 180 and np.abs(self.y).max() <= 180
-        if degrees and 0 < span < _SPOT_M:
+    def _check_metres(self, source: str) -> None:
+        box = float(self.x.min()), float(self.y.min()), float(self.x.max()), float(self.y.max())
+        span = max(box[2] - box[0], box[3] - box[1])
+        degrees = np.abs(box).max() <= 180 and 0 < span < _SPOT_M
+        if degrees or looks_like_kilometres(box):
+            unit = "degrees" if degrees else "kilometres"
             raise ReadingsError(
-                f"all readings lie within {span:.2g} m: these look like degrees, not metres",
+                f"all readings lie within {span:.2g} m: these look like {unit}, not metres",
                 where=self.file,
-                remedy="name the columns lat,lon",
+                remedy="name the columns lat,lon" if degrees else "write them in metres",
             )
-
-
-def outside(rows: Integers, at: Floats, field: Field, file: str) -> tuple[Finding, ...]:
-    """Findings about readings, (n,) rows and (n, 2) m, that the field does not contain."""
-    away = [
-        f"{_far(away)} outside the field" if away else "in a keep-out"
-        for away in _metres_away(at, field)
-    ]
-    return tuple(
-        Finding(seen, "left out", "left out", file, int(row))
-        for seen, row in zip(away, rows, strict=True)
-    )
-
-
-def elsewhere(places: Places, field: Field, at: Floats, crs: str | None) -> ReadingsError:
-    """Complaint about readings most of which lie outside the field."""
-    strays = at[~field.contains(at)]
-    away = _far(float(np.median(_metres_away(strays, field))))
-    what = f"{len(strays)} of {len(at)} readings lie outside {field.name}, typically {away} away"
-    mirrored, _ = replace(places, x=places.y, y=places.x).metres(field, crs)
-    if 2 * field.contains(mirrored).sum() > len(at):
-        columns = "latitude and longitude" if places.lonlat else "easting and northing"
-        return ReadingsError(
-            f"{what}; swapping {columns} puts them inside",
-            where=places.file,
-            remedy="swap the names of the two columns",
-        )
-    remedy = "check that file and field belong together"
-    return ReadingsError(
-        what,
-        where=places.file,
-        remedy=remedy if places.lonlat else f"{remedy}, and name the CRS of the readings",
-    )
-
-
-def _metres_away(at: Floats, field: Field) -> Floats:
-    away = np.asarray(shapely.distance(shapely.points(at), field.boundary))
-    return np.where(np.isfinite(away), away, np.inf)
-
-
-def _far(metres: float) -> str:
-    if not np.isfinite(metres):
-        return "half a world"
-    if metres >= 10_000:
-        return f"{metres / 1000:.0f} km"
-    return f"{metres:.0f} m" if metres >= 10 else f"{metres:.2g} m"
+        if source and looks_transposed(source, float(self.x[0]), float(self.y[0])):
+            raise ReadingsError(
+                f"easting {self.x[0]:.0f}, northing {self.y[0]:.0f} is far from where "
+                f"{brief(source)} is used: they look swapped",
+                where=self.file,
+                remedy="swap the names of the two columns",
+            )

@@ -13,18 +13,19 @@ from pathlib import Path
 
 import numpy as np
 
-from subsoil.arrays import Floats
+from subsoil.arrays import Bools, Floats, Integers
 from subsoil.errors import ReadingsError
 from subsoil.findings import Finding, left_out
 from subsoil.io.read.instruments import INSTRUMENTS, Reader
 from subsoil.io.read.missing import without_codes
-from subsoil.io.read.places import Places, elsewhere, outside
+from subsoil.io.read.places import Places
 from subsoil.io.read.plausible import doubts, stray
 from subsoil.io.read.position_files import read_positions
 from subsoil.io.read.positions import located
 from subsoil.io.read.recording import Recording, kpa_per_unit
 from subsoil.io.read.screening import Push, screened
 from subsoil.io.read.sheet import NO_MEANINGS, Meanings
+from subsoil.io.read.strays import FENCE_M, at_field, elsewhere, strays
 from subsoil.io.read.tables import SHEETS, read_sheets
 from subsoil.io.read.text import check_file
 from subsoil.land.field import Field
@@ -59,6 +60,7 @@ def read_readings(
     reader: str | Read = "",
     meanings: Meanings = NO_MEANINGS,
     positions: str | Path | None = None,
+    fence_m: float = FENCE_M,
 ) -> Readings:
     """Read readings from an instrument's file or a table.
 
@@ -70,7 +72,7 @@ def read_readings(
     path
         File, told apart by its content (:data:`READERS`).
     field
-        Field they belong to: sets the frame, and what lies outside or in a keep-out is left out.
+        Field they belong to: sets the frame, and what lies outside its fence is left out.
         Without one, longitude and latitude go to the UTM zone of their median.
     crs
         Frame of easting and northing in the file, if not the field's.
@@ -85,6 +87,8 @@ def read_readings(
         What headings of a table mean, where they do not say: ``{"pen1": "kpa at 10 cm"}``.
     positions
         File with the places of pushes by number or time, where the instrument has none.
+    fence_m
+        Distance in m from the field up to which a reading is used, where it was taken.
 
     Raises
     ------
@@ -97,8 +101,8 @@ def read_readings(
         If the CRS is unknown or cannot be brought to the field's.
     """
     path = Path(path)
-    places = read_positions(positions) if positions is not None else None
-    recording = located(_recording(path, reader, meanings, units or ""), places, path.name)
+    beside = read_positions(positions) if positions is not None else None
+    recording = located(_recording(path, reader, meanings, units or ""), beside, path.name)
     records, codes = without_codes(recording.records, path.name)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
     pushes, unfit = screened(records, factor, recording.frame, path.name)
@@ -106,15 +110,11 @@ def read_readings(
     if not pushes:
         raise _none_usable(left_out(findings), path.name)
     rows = np.array([push.record.row for push in pushes], dtype=np.int64)
-    at, home = _places(pushes, recording, path.name).metres(field, crs or recording.crs or None)
-    if field is not None:
-        inside = _inside(at, field, _places(pushes, recording, path.name), crs)
-        findings += outside(rows[~inside], at[~inside], field, path.name)
-    else:
-        strays = stray(at, rows, path.name)
-        inside = ~np.isin(rows, [finding.row for finding in left_out(strays)])
-        findings += strays
+    places, source = _places(pushes, recording, path.name), crs or recording.crs or None
+    at, home = places.metres(field, source)
+    inside, astray = _kept(at, rows, places, source, field, fence_m)
     kept = [push for push, here in zip(pushes, inside, strict=True) if here]
+    findings += (*places.findings(field, source), *astray)
     findings += doubts(kept, at[inside], recording.frame, cone, path.name)
     return Readings(
         at[inside],
@@ -168,11 +168,22 @@ def _places(pushes: Sequence[Push], recording: Recording, file: str) -> Places:
     return Places(x, y, recording.frame == "lonlat", file)
 
 
-def _inside(at: Floats, field: Field, places: Places, crs: str | None) -> np.ndarray:
-    inside = field.contains(at)
+def _kept(
+    at: Floats,
+    rows: Integers,
+    places: Places,
+    crs: str | None,
+    field: Field | None,
+    fence_m: float,
+) -> tuple[Bools, tuple[Finding, ...]]:
+    """Which of (n, 2) places in m are used, and what is to be said of the others."""
+    if field is None:
+        far = stray(at, rows, places.file)
+        return ~np.isin(rows, [finding.row for finding in left_out(far)]), tuple(far)
+    inside = at_field(at, field, fence_m)
     if 2 * inside.sum() < inside.size:
         raise elsewhere(places, field, at, crs)
-    return inside
+    return inside, strays(rows, at, field, fence_m, places.file)
 
 
 def _none_usable(refused: Sequence[Finding], file: str) -> ReadingsError:
