@@ -2,7 +2,7 @@
 
 from subsoil.journal.content import Content, fingerprint
 from subsoil.journal.file import Journal, create, open_journal
-from subsoil.journal.look import copy, last_event, read_events, read_survey
+from subsoil.journal.look import copy, is_survey, last_event, read_events, read_survey
 from subsoil.journal.verify import verify
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "copy",
     "create",
     "fingerprint",
+    "is_survey",
     "last_event",
     "open_journal",
     "read_events",

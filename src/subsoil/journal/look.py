@@ -6,6 +6,7 @@ import sqlite3
 from dataclasses import replace
 from pathlib import Path
 
+from subsoil.errors import CorruptJournalError, JournalError
 from subsoil.journal import owner
 from subsoil.journal.connection import reading
 from subsoil.journal.content import Content, Last, content_of, last_of
@@ -31,6 +32,17 @@ def read_survey(path: Path) -> Content:
 def read_events(path: Path) -> tuple[Event, ...]:
     """Events of a survey file, as :func:`read_survey` finds them."""
     return read_survey(path).events
+
+
+def is_survey(path: Path) -> bool:
+    """Whether a file is a survey, if a damaged one."""
+    try:
+        with reading(path):
+            return True
+    except CorruptJournalError:
+        return True
+    except JournalError:
+        return False
 
 
 def last_event(path: Path) -> Last:

@@ -89,14 +89,18 @@ def read_readings(
         inside = _inside(at, field, _places(pushes, recording, path.name), crs)
         findings += outside(rows[~inside], at[~inside], field, path.name)
     findings += strength_doubts([push.profile for push in pushes], path.name)
+    kept = [push for push, within in zip(pushes, inside, strict=True) if within]
     return Readings(
         at[inside],
-        tuple(push.profile for push, kept in zip(pushes, inside, strict=True) if kept),
+        tuple(push.profile for push in kept),
         extent_of(at[inside]) if field is None else field.extent_m,
         rows[inside],
         home,
         str(path),
         (*(field.findings if field else ()), *sorted(findings, key=lambda f: f.row)),
+        numbers=tuple(push.record.number for push in kept),
+        times=tuple(push.record.time for push in kept),
+        instrument=recording.instrument,
     )
 
 
