@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,6 +42,11 @@ class Readings:
         What their owner should know of them, and of what was left out.
     simulated
         Whether they are of a soil that was drawn.
+    numbers, times
+        What the instrument or its owner calls each push, and when it was taken as far as that is
+        known; empty where no file says.
+    instrument
+        What wrote the file, in words; empty for a table.
     """
 
     at: Floats
@@ -51,6 +57,9 @@ class Readings:
     source: str = ""
     findings: tuple[Finding, ...] = ()
     simulated: bool = False
+    numbers: tuple[str, ...] = ()
+    times: tuple[datetime | None, ...] = ()
+    instrument: str = ""
 
     def __post_init__(self) -> None:
         for array in (self.at, self.rows):

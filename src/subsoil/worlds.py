@@ -67,7 +67,7 @@ def soil_of(survey: Survey) -> Truth:
         raise JournalError(
             f"{listed(real)} began it on real land, which is not simulated",
             where=survey.name,
-            remedy="let that agent go on, or start another survey for a simulation",
+            remedy="a person goes on with `subsoil next`; simulate in a survey of its own",
         )
     if not survey.simulation:
         raise JournalError(

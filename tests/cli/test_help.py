@@ -16,7 +16,7 @@ from subsoil.cli import app
 from subsoil.cli.bench import Protocol
 from subsoil.cli.examples import EXAMPLES
 from subsoil.cli.options import World
-from subsoil.cli.parsing import COMPARISON, FIELD, LIMITS, OUTPUT, ROBOT, STRATEGY, WORK
+from subsoil.cli.parsing import COMPARISON, FIELD, LIMITS, OUTPUT, ROBOT, STRATEGY, WAY, WORK
 from subsoil.mapping.drift_choice import DriftRule
 from subsoil.strategies import STRATEGIES
 from subsoil.variogram import ESTIMATORS
@@ -24,7 +24,7 @@ from subsoil.worlds import WORLDS
 
 Cli = Callable[..., Any]
 
-GROUPS = {COMPARISON, FIELD, LIMITS, OUTPUT, ROBOT, STRATEGY, WORK}
+GROUPS = {COMPARISON, FIELD, LIMITS, OUTPUT, ROBOT, STRATEGY, WAY, WORK}
 
 
 def commands() -> dict[str, Any]:

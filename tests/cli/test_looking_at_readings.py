@@ -27,9 +27,12 @@ def test_rows_left_out_are_named_on_the_screen_and_in_json(
     cli: Cli, outline: Path, readings: Path, verb: str
 ) -> None:
     readings.write_text(readings.read_text() + "20,20,x,900\n21,21,-5,900\n")
-    found = cli(*arguments(verb, readings, outline), "--json").json
+    told = cli(*arguments(verb, readings, outline), "--json")
+    assert told.code == 1
+    found = told.json
     assert found["samples"] == 12
-    assert [line.split(":")[0] for line in found["refused"]] == ["row 14", "row 15"]
+    where = [line.split(":")[0] for line in found["refused"]]
+    assert where == ["row 14, column kpa_5cm", "row 15"]
     shown = cli(*arguments(verb, readings, outline)).out
     assert "row 14" in shown
     assert "no soil strength" in shown

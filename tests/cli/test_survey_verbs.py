@@ -79,7 +79,9 @@ def test_a_survey_stops_at_its_limits(cli: Cli, survey: Path) -> None:
     assert "the next stop would take it beyond 6" in result["finished"]
     assert result["minutes"] <= 6
     limit = result["metres"] + 60
-    more = cli(*call, "--metres", limit).json
+    kept = cli(*call, "--metres", limit).json
+    assert kept["samples"] == result["samples"], "a limit that is not given stays"
+    more = cli(*call, "--metres", limit, "--minutes", "inf").json
     assert more["samples"] > result["samples"]
     assert more["metres"] <= limit
     assert "metres driven" in more["finished"]

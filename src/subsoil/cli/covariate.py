@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -31,13 +31,18 @@ Column = Annotated[
         rich_help_panel=FIELD,
     ),
 ]
-Drift = Annotated[
-    DriftRule,
-    typer.Option(
+
+
+def drift_option(default: str | bool = True) -> Any:
+    """Option of which layers follow the covariate."""
+    return typer.Option(
         help="Which layers follow the covariate; auto: where it predicts better.",
+        show_default=default,
         rich_help_panel=STRATEGY,
-    ),
-]
+    )
+
+
+Drift = Annotated[DriftRule, drift_option()]
 
 
 def covariate_of(

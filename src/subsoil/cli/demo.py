@@ -86,7 +86,7 @@ def demo(
     path = _file(out, overwrite)
     land, layers = _land(field), Layers()
     method = MethodOptions(strategy=strategy, estimator=estimator, seed=seed)
-    settings = settings_of(land, method, limits)
+    settings = settings_of(Settings(start=land.entrance), land, method, limits)
     truth = truth_of(field, land, layers, seed)
     path.unlink(missing_ok=True)
     with create(path, opening(land, layers, SMALL_CONE)) as journal:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "demo": ("subsoil demo", "subsoil demo --out quick --strategy greedy --samples 12"),
-    "init": ("subsoil init survey.gpkg --boundary field.geojson",),
+    "init": (
+        "subsoil init survey.gpkg --boundary field.geojson",
+        "subsoil init hand.gpkg --boundary field.geojson --speed 1.2 --samples 12",
+    ),
     "plan": (
         "subsoil plan survey.gpkg --samples 30",
         "subsoil plan survey.gpkg --minutes 60 --strategy area-split",
@@ -14,7 +17,23 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "subsoil run survey.gpkg --target-rmse 250 --probability 0.8 --minutes 90",
     ),
     "resume": ("subsoil resume survey.gpkg",),
+    "next": (
+        "subsoil next hand.gpkg",
+        "subsoil next hand.gpkg --agent anna --from 52.0002,0.0003",
+        "subsoil next hand.gpkg --agent ben --write stops.gpx",
+    ),
+    "add": (
+        "subsoil add hand.gpkg --kpa 500,900,1400 --depths 10,20,30",
+        "subsoil add hand.gpkg --kpa 450,800 --depths 4in,8in --at 52.0002,0.0003",
+    ),
+    "stone": ("subsoil stone hand.gpkg --depth 12 --agent anna",),
+    "skip": ('subsoil skip hand.gpkg --agent ben --reason "under water"',),
+    "ingest": (
+        "subsoil ingest hand.gpkg readings.csv --preview",
+        "subsoil ingest hand.gpkg readings.csv",
+    ),
     "status": ("subsoil status survey.gpkg", "subsoil status survey.gpkg --units us"),
+    "amend": ("subsoil amend hand.gpkg REPORT --kpa 500,950 --depths 10,20 --reason typo",),
     "withdraw": ('subsoil withdraw survey.gpkg REPORT --reason "hit a stone"',),
     "map": ("subsoil map readings.csv --boundary field.geojson --out maps --layers 0,.1,.2",),
     "variogram": ("subsoil variogram readings.csv",),

@@ -24,6 +24,7 @@ OptionalBoundary = Annotated[
     typer.Option(
         metavar="FILE",
         help="Outline of the field; readings beyond its fence are left out.",
+        show_default="the survey's own",
         rich_help_panel=FIELD,
     ),
 ]
@@ -62,6 +63,16 @@ Crs = Annotated[
 ]
 CellSize = Annotated[
     float, typer.Option(metavar="M", help="Side of a cell.", rich_help_panel=FIELD)
+]
+OptionalCellSize = Annotated[
+    float | None,
+    typer.Option(
+        "--cell",
+        metavar="M",
+        help="Side of a cell.",
+        show_default="the survey's, else 5",
+        rich_help_panel=FIELD,
+    ),
 ]
 Edges = Annotated[
     str,

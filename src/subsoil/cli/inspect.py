@@ -9,9 +9,17 @@ from typing import Annotated
 
 import typer
 
+from subsoil.cli.crew import crew, last_reading
 from subsoil.cli.figures import FigureFormat
 from subsoil.cli.limits import LimitOptions
-from subsoil.cli.options import Allow, MethodOptions, SurveyFile, allowed_by, settings_of
+from subsoil.cli.options import (
+    Allow,
+    MethodOptions,
+    SurveyFile,
+    allowed_by,
+    decided_anew,
+    settings_of,
+)
 from subsoil.cli.output import (
     AsJson,
     Shown,
@@ -22,11 +30,13 @@ from subsoil.cli.output import (
     tell_table,
     working,
 )
+from subsoil.cli.pace import PaceOptions
 from subsoil.cli.parsing import OUTPUT, grouped
+from subsoil.cli.stops import Write, ahead_of, stop_of, written
 from subsoil.errors import ParameterError
+from subsoil.io.write.stops import check_stops_file
 from subsoil.journal import fingerprint, last_event, read_survey
 from subsoil.journal import verify as verdict_on
-from subsoil.land.field import Field
 from subsoil.optional import FIGURES, require
 from subsoil.plots import outlook_curve, save
 from subsoil.report.wording import in_units
@@ -42,7 +52,7 @@ from subsoil.survey.outlook import (
     too_sure,
 )
 from subsoil.survey.progress import progress_of
-from subsoil.units import SYSTEMS, System
+from subsoil.units import METRIC, SYSTEMS, System, Units
 from subsoil.ways.routing import length
 
 _ROWS = {1, 2, 3, 5, 10, 15, 20, 30, 40}
@@ -53,22 +63,30 @@ def plan(
     survey: SurveyFile,
     method: MethodOptions,
     limits: LimitOptions,
+    pace: PaceOptions,
+    write: Write = None,
     units: Shown = "metric",
     as_json: AsJson = False,
 ) -> None:
     """Show where a survey would go next; changes nothing."""
     state, allowed = fold(read_survey(survey).events), method.allowed
-    if not state.method:
-        state = apply(state, Configured(settings=settings_of(state.field, method, limits)))
+    if write is not None:
+        check_stops_file(write, state.field)
+    settings = settings_of(state.settings, state.field, method, limits, pace)
+    if decided_anew(state, settings):
+        state = apply(state, Configured(settings=settings))
     with working("planning"):
         state, _ = settled(state, allowed)
-    stops, result = _next(state), {"survey": survey, **_ahead(state)}
+    stops, result = ahead_of(state), {"survey": survey, **_ahead(state)}
+    if write is not None:
+        result["written"] = written(write, state, stops)
+    rows = [stop_of(state, cell) for cell in stops]
     if as_json:
-        tell({**result, "plan": [_stop(state.field, cell) for cell in stops]}, as_json)
+        tell({**result, "plan": rows}, as_json)
         return
     tell(result, as_json, SYSTEMS[units])
-    rows = [(k, *_stop(state.field, cell).values()) for k, cell in enumerate(stops, start=1)]
-    tell_table("Stops", ("stop", *_stop(state.field, 0)), rows, SYSTEMS[units])
+    numbered = [(k, *row.values()) for k, row in enumerate(rows, start=1)]
+    tell_table("Stops", ("stop", *stop_of(state, 0)), numbered, SYSTEMS[units])
 
 
 def status(
@@ -93,7 +111,13 @@ def status(
     prospects = outlook(state)
     words = in_words(state, prospects)
     notes = (*content.notes, *state.notes, *too_sure(state), *out_of_reach(state, prospects))
-    result = {**summary(state), "notes": notes, "fingerprint": content.fingerprint}
+    shown = METRIC if as_json else SYSTEMS[units]
+    result = {
+        **summary(state, shown),
+        "last_reading": last_reading(state),
+        "notes": notes,
+        "fingerprint": content.fingerprint,
+    }
     if out:
         result["picture"] = _draw(events, prospects, folder(out) / f"outlook.{figures}")
     if as_json:
@@ -146,7 +170,7 @@ def verify(survey: SurveyFile, allow: Allow = None, as_json: AsJson = False) -> 
         raise typer.Exit(1)
 
 
-def summary(survey: Survey) -> dict[str, object]:
+def summary(survey: Survey, units: Units = METRIC) -> dict[str, object]:
     """Say how a survey stands."""
     result: dict[str, object] = {
         "field": survey.field.name,
@@ -158,10 +182,10 @@ def summary(survey: Survey) -> dict[str, object]:
         "mean_kv": survey.mean_kv,
         "std_dev_kpa": math.sqrt(survey.mean_kv),
         "planned": len(survey.plan.cells),
-        "next": _stop(survey.field, _next(survey)[0]) if _next(survey) else "none",
+        "next": stop_of(survey, ahead_of(survey)[0]) if ahead_of(survey) else "none",
         "finished": survey.finished or "no",
         "simulated": "yes" if survey.simulated else "no",
-        "agents": tuple(f"{agent.name} ({agent.kind})" for agent in survey.agents),
+        "agents": crew(survey, units),
         "notes": survey.notes,
     }
     if survey.method:
@@ -189,7 +213,7 @@ def tell_survey(result: Mapping[str, object], as_json: bool, units: System = "me
 
 def _ahead(survey: Survey) -> dict[str, object]:
     """What is still planned, and what it takes."""
-    stops = _next(survey)
+    stops = ahead_of(survey)
     way = length(survey.access, survey.position, survey.access.at[list(stops)])
     return {
         "strategy": survey.settings.strategy,
@@ -198,11 +222,6 @@ def _ahead(survey: Survey) -> dict[str, object]:
         "minutes": survey.settings.pace.minutes(way, len(stops)),
         "reason": survey.finished or survey.plan.reason,
     }
-
-
-def _next(survey: Survey) -> tuple[int, ...]:
-    """Cells still to visit: those on somebody's way first."""
-    return (*(lease.cell for lease in survey.leases), *survey.plan.cells)
 
 
 def _draw(events: Sequence[Event], prospects: Outlook, path: Path) -> Path:
@@ -230,12 +249,3 @@ def _forecast_table(prospects: Outlook) -> tuple[list[str], list[tuple[int, floa
         if entry.more in _ROWS or entry in prospects.milestones
     ]
     return ["more samples", "minutes", "predicted_rmse_kpa"], rows
-
-
-def _stop(field: Field, cell: int) -> dict[str, float]:
-    east, north = field.cells[cell].tolist()
-    stop: dict[str, float] = {"cell": cell, "easting_m": east, "northing_m": north}
-    if field.crs:
-        longitude, latitude = field.to_lonlat([(east, north)])[0].tolist()
-        stop |= {"longitude": round(longitude, 7), "latitude": round(latitude, 7)}
-    return stop

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import typer
@@ -22,14 +21,14 @@ def _limit(help_: str, metavar: str, default: str | bool = False, **more: Any) -
     )
 
 
-Metres = Annotated[float, _limit("Do not drive further.", "M")]
-Minutes = Annotated[float, _limit("Do not take longer.", "MIN")]
-Money = Annotated[float, _limit("Do not cost more; needs a rate.", "MONEY")]
+Metres = Annotated[float | None, _limit("Do not go further; inf for any way.", "M")]
+Minutes = Annotated[float | None, _limit("Do not take longer; inf for any time.", "MIN")]
+Money = Annotated[float | None, _limit("Do not cost more; needs a rate.", "MONEY")]
 
 
 @dataclass(frozen=True)
 class LimitOptions:
-    """When a survey has had enough, as the command line says it.
+    """When a survey has had enough, as the command line says it; ``None`` where it does not.
 
     Attributes
     ----------
@@ -38,13 +37,15 @@ class LimitOptions:
     target_rmse, probability, threshold_kpa, decided, confidence, min_gain
         What the map has to show: see :attr:`goals`.
     rate_hour, rate_km, rate_sample, call_out, currency
-        What it is charged for: see :attr:`rates`.
+        What it is charged for: :class:`subsoil.stopping.Rates`.
     """
 
-    samples: Annotated[int, _limit("Readings to take.", "N", True, min=1)] = 30
-    metres: Metres = inf
-    minutes: Minutes = inf
-    money: Money = inf
+    samples: Annotated[
+        int | None, _limit("Readings to take.", "N", "as before, else 30", min=1)
+    ] = None
+    metres: Metres = None
+    minutes: Minutes = None
+    money: Money = None
     target_rmse: Annotated[
         float | None, _limit("Stop when the map expects this RMSE of itself.", "KPA")
     ] = None
@@ -65,23 +66,39 @@ class LimitOptions:
     min_gain: Annotated[
         float | None, _limit("Stop when the next sample would lower the RMSE by less.", "KPA")
     ] = None
-    kv: Annotated[float, _limit("Stop at this mean kriging variance.", "KPA2")] = 0.0
-    rate_hour: Annotated[float, _limit("Money for an hour in the field.", "MONEY")] = 0.0
-    rate_km: Annotated[float, _limit("Money for a km driven.", "MONEY")] = 0.0
-    rate_sample: Annotated[float, _limit("Money for a reading.", "MONEY")] = 0.0
-    call_out: Annotated[float, _limit("Money for coming at all.", "MONEY")] = 0.0
-    currency: Annotated[str, _limit("Currency of all money.", "CODE", True)] = "EUR"
+    kv: Annotated[float | None, _limit("Stop at this mean kriging variance.", "KPA2")] = None
+    rate_hour: Annotated[float | None, _limit("Money for an hour in the field.", "MONEY")] = None
+    rate_km: Annotated[float | None, _limit("Money for a km of way.", "MONEY")] = None
+    rate_sample: Annotated[float | None, _limit("Money for a reading.", "MONEY")] = None
+    call_out: Annotated[float | None, _limit("Money for coming at all.", "MONEY")] = None
+    currency: Annotated[
+        str | None, _limit("Currency of all money.", "CODE", "as before, else EUR")
+    ] = None
 
-    @property
-    def rates(self) -> Rates:
-        """What the survey is charged for.
+    def given(self, before: Rates) -> dict[str, object]:
+        """Fields of the settings that are given; goals together, rates one by one.
 
         Raises
         ------
         ParameterError
-            If a rate is negative or not finite, or the currency is none.
+            If a rate is negative or not finite, the currency is none, or a goal cannot be.
         """
-        return Rates(self.rate_hour, self.rate_km, self.rate_sample, self.call_out, self.currency)
+        rates = only_given(
+            hour=self.rate_hour,
+            km=self.rate_km,
+            sample=self.rate_sample,
+            call_out=self.call_out,
+            currency=self.currency,
+        )
+        return only_given(
+            samples=self.samples,
+            metres=self.metres,
+            minutes=self.minutes,
+            money=self.money,
+            mean_kv=self.kv,
+            rates=replace(before, **rates) if rates else None,  # type: ignore[arg-type]
+            goals=self.goals or None,
+        )
 
     @property
     def goals(self) -> tuple[Goal, ...]:
@@ -120,3 +137,14 @@ class LimitOptions:
 
 def _alone(option: str, needed: str) -> ParameterError:
     return ParameterError("says nothing by itself", where=option, remedy=f"give {needed} too")
+
+
+def only_given(**fields: object) -> dict[str, object]:
+    """Fields that are not ``None``.
+
+    Examples
+    --------
+    >>> only_given(samples=30, metres=None)
+    {'samples': 30}
+    """
+    return {name: value for name, value in fields.items() if value is not None}

@@ -32,6 +32,7 @@ from subsoil.findings import left_out
 from subsoil.io.read.readings import read_readings
 from subsoil.io.read.strays import FENCE_M
 from subsoil.journal import is_foreign, read_events
+from subsoil.kriging.drift import NO_COVARIATE, Covariate
 from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
 from subsoil.layers import Layers
@@ -52,10 +53,14 @@ class Material:
         Of a file or a survey.
     layers
         Those asked for, or of the survey.
+    field, covariate
+        Of the survey, if it is one.
     """
 
     readings: Readings
     layers: Layers
+    field: Field | None = None
+    covariate: Covariate = NO_COVARIATE
 
     @cached_property
     def kpa(self) -> Floats:
@@ -87,14 +92,52 @@ class Material:
         )
 
 
-@dataclass(frozen=True)
-class MaterialOptions:
+@dataclass(frozen=True, kw_only=True)
+class ReadingOptions:
+    """How to read files of readings, as the command line says it.
+
+    Attributes
+    ----------
+    cone_area, reading_unit, crs
+        What they were taken with and in, where they do not say.
+    map, reader, positions
+        What headings mean, what reads them, and where pushes were, where they do not say.
+    fence
+        How far outside the field one still belongs to it, in m.
+    """
+
+    cone_area: OptionalConeArea = None
+    reading_unit: ReadingUnit = None
+    crs: Crs = None
+    map: Mapped = None
+    reader: ReaderName = ""
+    positions: PositionsFile = None
+    fence: Fence = FENCE_M
+
+    def readings_in(self, path: Path, field: Field | None) -> Readings:
+        """Readings of a file, those of a field if there is one."""
+        cone = Cone(self.cone_area) if self.cone_area is not None else None
+        return read_readings(
+            path,
+            field=field,
+            crs=self.crs,
+            cone=cone,
+            units=self.reading_unit,
+            meanings=meanings_of(self.map),
+            reader=self.reader,
+            positions=self.positions,
+            fence_m=self.fence,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MaterialOptions(ReadingOptions):
     """Readings to look at, and how, as the command line says it.
 
     Attributes
     ----------
-    readings, layers, cone_area, reading_unit, crs, fence, map, reader, positions
-        The file, and how to read it.
+    readings, layers
+        The file or survey, and in which layers to look at it.
     estimator, setting
         How variograms are estimated.
     """
@@ -103,13 +146,6 @@ class MaterialOptions:
     layers: Edges = DEFAULT_EDGES
     estimator: EstimatorName = DEFAULT_ESTIMATOR
     setting: EstimatorSettings = None
-    cone_area: OptionalConeArea = None
-    reading_unit: ReadingUnit = None
-    crs: Crs = None
-    map: Mapped = None
-    reader: ReaderName = ""
-    positions: PositionsFile = None
-    fence: Fence = FENCE_M
 
     def read(self, field: Field | None) -> Material:
         """Readings of the file or the survey, those of a field if there is one.
@@ -125,19 +161,9 @@ class MaterialOptions:
             readings = readings_of(survey)
             if field is not None:
                 readings = replace(readings, extent_m=field.extent_m)
-            return _enough(Material(readings, survey.layers), self.readings)
-        cone = Cone(self.cone_area) if self.cone_area is not None else None
-        readings = read_readings(
-            self.readings,
-            field=field,
-            crs=self.crs,
-            cone=cone,
-            units=self.reading_unit,
-            meanings=meanings_of(self.map),
-            reader=self.reader,
-            positions=self.positions,
-            fence_m=self.fence,
-        )
+            known = survey.soil_map.covariate
+            return _enough(Material(readings, survey.layers, survey.field, known), self.readings)
+        readings = self.readings_in(self.readings, field)
         layers = layers_of(self.layers)
         fine = finer_than_readings(readings, layers)
         readings = replace(readings, findings=(*readings.findings, *fine))

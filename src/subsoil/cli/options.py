@@ -6,42 +6,51 @@ import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
-from subsoil.cli.covariate import Drift
-from subsoil.cli.limits import LimitOptions
+from subsoil.cli.covariate import drift_option
+from subsoil.cli.limits import LimitOptions, only_given
+from subsoil.cli.pace import PaceOptions
 from subsoil.cli.parsing import STRATEGY, one_of
 from subsoil.errors import ParameterError, brief
 from subsoil.land.field import Field
 from subsoil.layers import Layers
+from subsoil.mapping.drift_choice import DriftRule
 from subsoil.registry import Allowed, imported
 from subsoil.strategies import STRATEGIES, strategy_named
-from subsoil.survey import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, checked
+from subsoil.survey import DEFAULT_ESTIMATOR, DEFAULT_STRATEGY, Settings, Survey, checked
+from subsoil.survey.events import METHOD
 from subsoil.variogram import ESTIMATORS, estimator_named
 
 SurveyFile = Annotated[
     Path, typer.Argument(help="Survey file, a GeoPackage.", metavar="SURVEY.gpkg")
 ]
-StrategyName = Annotated[
-    str,
-    typer.Option(
+
+
+def _strategy(default: str | bool = True) -> Any:
+    return typer.Option(
         metavar="NAME",
         help=f"Where to probe: {', '.join(STRATEGIES)}, or your own as module:attribute.",
         autocompletion=one_of(STRATEGIES),
+        show_default=default,
         rich_help_panel=STRATEGY,
-    ),
-]
-EstimatorName = Annotated[
-    str,
-    typer.Option(
+    )
+
+
+def _estimator(default: str | bool = True) -> Any:
+    return typer.Option(
         metavar="NAME",
         help=f"How variograms are estimated: {', '.join(ESTIMATORS)}, or module:attribute.",
         autocompletion=one_of(ESTIMATORS),
+        show_default=default,
         rich_help_panel=STRATEGY,
-    ),
-]
+    )
+
+
+StrategyName = Annotated[str, _strategy()]
+EstimatorName = Annotated[str, _estimator()]
 EstimatorSettings = Annotated[
     list[str] | None,
     typer.Option(
@@ -68,10 +77,16 @@ Allow = Annotated[
         rich_help_panel=STRATEGY,
     ),
 ]
-Seed = Annotated[
-    int,
-    typer.Option(help="Seed of all chance.", metavar="N", min=0, rich_help_panel=STRATEGY),
-]
+
+
+def _seed(default: str | bool = True) -> Any:
+    return typer.Option(
+        help="Seed of all chance.", metavar="N", min=0, show_default=default,
+        rich_help_panel=STRATEGY,
+    )  # fmt: skip
+
+
+Seed = Annotated[int, _seed()]
 World = Literal["simulated", "riseholme"]
 """Soils of a simulated robot, by name."""
 DEFAULT_EDGES = "0,0.05,0.1,0.15,0.2,0.25,0.3,0.35,0.4"
@@ -79,7 +94,7 @@ DEFAULT_EDGES = "0,0.05,0.1,0.15,0.2,0.25,0.3,0.35,0.4"
 
 @dataclass(frozen=True)
 class MethodOptions:
-    """By which methods to survey, as the command line says it.
+    """By which methods to survey, as the command line says it; ``None`` where it does not.
 
     Attributes
     ----------
@@ -93,55 +108,73 @@ class MethodOptions:
         Modules whose code a survey file may name.
     """
 
-    strategy: StrategyName = DEFAULT_STRATEGY
+    strategy: Annotated[str | None, _strategy(f"as before, else {DEFAULT_STRATEGY}")] = None
     strategy_setting: StrategySettings = None
-    estimator: EstimatorName = DEFAULT_ESTIMATOR
+    estimator: Annotated[str | None, _estimator(f"as before, else {DEFAULT_ESTIMATOR}")] = None
     estimator_setting: EstimatorSettings = None
     refit_every: Annotated[
-        int,
-        typer.Option(metavar="N", help="Samples between refits.", min=1, rich_help_panel=STRATEGY),
-    ] = 1
-    drift: Drift = "auto"
-    seed: Seed = 0
+        int | None,
+        typer.Option(
+            metavar="N", help="Samples between refits.", min=1, show_default="as before, else 1",
+            rich_help_panel=STRATEGY,
+        ),
+    ] = None  # fmt: skip
+    drift: Annotated[DriftRule | None, drift_option("as before, else auto")] = None
+    seed: Annotated[int | None, _seed("as before, else 0")] = None
     allow: Allow = None
 
     @property
     def allowed(self) -> Allowed:
         """Modules whose code may be run: see :func:`allowed_by`."""
-        return allowed_by(self.allow, self.strategy, self.estimator)
+        return allowed_by(self.allow, self.strategy or "", self.estimator or "")
+
+    @property
+    def given(self) -> dict[str, object]:
+        """Fields of the settings that are given; another method begins without parameters."""
+        own = values(self.strategy_setting) if self.strategy or self.strategy_setting else None
+        known = numbers(self.estimator_setting)
+        return only_given(
+            strategy=self.strategy,
+            strategy_settings=own,
+            estimator=self.estimator,
+            estimator_settings=known if self.estimator or known else None,
+            refit_every=self.refit_every,
+            drift=self.drift,
+            seed=self.seed,
+        )
 
 
-def settings_of(field: Field, method: MethodOptions, limits: LimitOptions) -> Settings:
-    """How to survey a field, as options say.
+def settings_of(
+    before: Settings,
+    field: Field,
+    method: MethodOptions,
+    limits: LimitOptions,
+    pace: PaceOptions | None = None,
+) -> Settings:
+    """How to survey a field: as options say, and as it was decided before where they do not.
+
+    Where nobody says how many samples to take, there are no more than cells.
 
     Raises
     ------
     ParameterError
-        If strategy or estimator are unknown, there are fewer cells than samples, or the limits
-        leave no room for one stop.
+        If strategy or estimator are unknown, there are fewer cells than samples, the limits
+        leave no room for one stop, or the start is far from the field.
     """
-    goals, allowed = limits.goals, method.allowed
-    own, known = values(method.strategy_setting), numbers(method.estimator_setting)
-    strategy_named(method.strategy, own, allowed)
-    estimator_named(method.estimator, field.extent_m, known, allowed)
-    settings = Settings(
-        start=field.entrance,
-        strategy=method.strategy,
-        strategy_settings=own,
-        estimator=method.estimator,
-        estimator_settings=known,
-        refit_every=method.refit_every,
-        seed=method.seed,
-        samples=limits.samples,
-        metres=limits.metres,
-        minutes=limits.minutes,
-        mean_kv=limits.kv,
-        money=limits.money,
-        rates=limits.rates,
-        goals=goals,
-        drift=method.drift,
-    )
+    allowed = method.allowed
+    fewest = {"samples": min(before.samples, len(field.cells))}
+    given = {**fewest, **method.given, **limits.given(before.rates)}
+    if pace is not None:
+        given |= pace.given(before.pace, field)
+    settings = Settings(**{**dict(before), **given})
+    strategy_named(settings.strategy, settings.strategy_settings, allowed)
+    estimator_named(settings.estimator, field.extent_m, settings.estimator_settings, allowed)
     return checked(settings, field)
+
+
+def decided_anew(survey: Survey, settings: Settings) -> bool:
+    """Whether settings are others than a survey already goes by."""
+    return (settings, METHOD) != (survey.settings, survey.method)
 
 
 def allowed_by(modules: list[str] | None, *typed: str) -> Allowed:

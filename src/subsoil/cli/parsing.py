@@ -13,6 +13,7 @@ from typer.core import TyperCommand, TyperGroup
 FIELD = "Field and readings"
 STRATEGY = "Strategy and estimator"
 LIMITS = "Limits: when it is enough"
+WAY = "Start and pace"
 ROBOT = "Simulated robot"
 COMPARISON = "What to compare"
 WORK = "How to work"

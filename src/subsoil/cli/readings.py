@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 
 from subsoil.cli.covariate import Column, CovariateFile, Drift, covariate_of
-from subsoil.cli.field import Block, Boundary, CellSize, FieldName, OptionalBoundary
+from subsoil.cli.field import Block, FieldName, OptionalBoundary, OptionalCellSize
 from subsoil.cli.figures import FigureFormat
 from subsoil.cli.found import exit_for, said
 from subsoil.cli.material import Material, MaterialOptions
 from subsoil.cli.output import AsJson, Out, Shown, folder, progress, tell, tell_table
 from subsoil.cli.parsing import grouped
+from subsoil.errors import ParameterError
 from subsoil.io.read.boundary import read_field
 from subsoil.io.write.rasters import write_geotiffs
+from subsoil.kriging.drift import Covariate
 from subsoil.kriging.memory import check_memory
+from subsoil.land.field import Field
 from subsoil.mapping.fit import Fits, fit
 from subsoil.mapping.krige import krige
 from subsoil.mapping.skill import LayerSkill, block_skills, layer_skills, unskilled
@@ -25,13 +29,15 @@ from subsoil.plots import draw_readings, save_all
 from subsoil.units import SYSTEMS, System, Units
 from subsoil.variogram import Estimator, Fit, LeastSquares, Pooled, name_of
 
+_CELL_M = 5.0
+
 
 @grouped
 def make_map(
     given: MaterialOptions,
-    boundary: Boundary,
     out: Out,
-    cell: CellSize = 5.0,
+    boundary: OptionalBoundary = None,
+    cell: OptionalCellSize = None,
     name: FieldName = "",
     covariate: CovariateFile = None,
     column: Column = None,
@@ -42,13 +48,12 @@ def make_map(
 ) -> None:
     """Map real readings, layer by layer, with uncertainty and skill against the mean."""
     require(GEOTIFF, FIGURES)
-    field = read_field(boundary, crs=given.crs, cell_size=cell, name=name)
-    material = given.read(field)
+    field, material = _on_field(given, boundary, cell, name)
     found, chosen = material.readings, given.estimator_of(material)
-    alike = isinstance(chosen, Pooled) and covariate is None
+    ours, odd = covariate_of(covariate, column, field, given.crs)
+    known, findings = _known(ours, material, field), (*found.findings, *odd)
+    alike = isinstance(chosen, Pooled) and not len(known)
     material.check_memory(alike=alike, cells=len(field.cells))
-    known, odd = covariate_of(covariate, column, field, given.crs)
-    findings = (*found.findings, *odd)
     fits = fit(found, material.layers, chosen, covariate=known, drift=drift)
     soil_map = krige(field, found, fits)
     skills = _skills(material, fits)
@@ -66,6 +71,36 @@ def make_map(
     title = "Leave-one-out (skill 0: no better than the mean; calibration 1: honest)"
     _tell_scored(about, title, material, [asdict(each) for each in skills], units, as_json)
     exit_for(findings)
+
+
+def _on_field(
+    given: MaterialOptions, boundary: Path | None, cell: float | None, name: str
+) -> tuple[Field, Material]:
+    """The field to map, a survey's own where no outline is given, and the readings of it.
+
+    Raises
+    ------
+    ParameterError
+        If there is no outline and the readings are no survey's.
+    """
+    if boundary is not None:
+        field = read_field(boundary, crs=given.crs, cell_size=cell or _CELL_M, name=name)
+        return field, given.read(field)
+    material = given.read(None)
+    if material.field is None:
+        raise ParameterError(
+            "a map of readings needs the outline of their field",
+            where="--boundary",
+            remedy="give --boundary FILE; only a survey knows its own",
+        )
+    return replace(material.field, cell_size=cell or material.field.cell_size), material
+
+
+def _known(covariate: Covariate, material: Material, field: Field) -> Covariate:
+    """What is known of the cells of a field: what is given, or what the survey was set up with."""
+    if len(covariate) or not len(material.covariate):
+        return covariate
+    return Covariate(field.cells, material.covariate(field.cells))
 
 
 @grouped

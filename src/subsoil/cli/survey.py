@@ -22,10 +22,12 @@ from subsoil.cli.options import (
     SurveyFile,
     World,
     allowed_by,
+    decided_anew,
     layers_of,
     settings_of,
 )
 from subsoil.cli.output import AsJson, Shown, progress, resumable, tell
+from subsoil.cli.pace import PaceOptions
 from subsoil.cli.parsing import FIELD, ROBOT, grouped
 from subsoil.io.read.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
@@ -33,7 +35,7 @@ from subsoil.penetrometer import Cone
 from subsoil.registry import Allowed
 from subsoil.reports import Refused, Sampled
 from subsoil.simulation import Machine
-from subsoil.survey import LocalDispatch, Survey, fold, opening
+from subsoil.survey import LocalDispatch, Settings, Survey, fold, opened, opening
 from subsoil.survey.events import Configured, Event, Planned
 from subsoil.survey.simulated import SIMULATED, work
 from subsoil.units import SYSTEMS
@@ -80,9 +82,13 @@ class RobotOptions:
     faster: Faster = math.inf
 
 
+@grouped
 def init(
     survey: SurveyFile,
     boundary: Boundary,
+    method: MethodOptions,
+    limits: LimitOptions,
+    pace: PaceOptions,
     name: FieldName = "",
     cell: CellSize = 5.0,
     cone_area: ConeArea = 130.0,
@@ -103,9 +109,10 @@ def init(
     known, odd = covariate_of(covariate, column, field, crs)
     findings = (*field.findings, *odd)
     cone = Cone(cone_area, cone_angle)
-    opened = opening(field, layers_of(layers), cone, known.values.tolist())
-    with create(survey, opened):
-        pass
+    settings = settings_of(Settings(start=field.entrance), field, method, limits, pace)
+    first = opening(field, layers_of(layers), cone, known.values.tolist())
+    with create(survey, first) as journal:
+        LocalDispatch(opened(first), journal).record(Configured(settings=settings))
     machine = Machine(Cone(cone_area, cone_angle))
     result = {
         "survey": survey,
@@ -126,6 +133,7 @@ def run(
     survey: SurveyFile,
     method: MethodOptions,
     limits: LimitOptions,
+    pace: PaceOptions,
     robot: RobotOptions,
     units: Shown = "metric",
     as_json: AsJson = False,
@@ -134,10 +142,11 @@ def run(
     allowed = method.allowed
     with open_journal(survey) as journal:
         state = fold(journal.events())
-        settings = settings_of(state.field, method, limits)
-        truth, simulation = soil_to_survey(state, robot.world, method.seed)
+        settings = settings_of(state.settings, state.field, method, limits, pace)
+        truth, simulation = soil_to_survey(state, robot.world, settings.seed)
         with _working(journal, state, settings.samples, allowed) as dispatch:
-            dispatch.record(Configured(settings=settings))
+            if decided_anew(state, settings):
+                dispatch.record(Configured(settings=settings))
             dispatch.join(SIMULATED, "simulator", simulation=simulation)
             work(dispatch, truth, robot.faster)
     notes = (*journal.notes, *dispatch.survey.notes)

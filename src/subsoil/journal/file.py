@@ -108,6 +108,17 @@ class Journal:
             drawn = self._draw(event, survey)
         self._last, self._drawn, self._format = last, drawn, FORMAT
 
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """Keep all events that are appended within, or none of them if it ends in an error."""
+        before = self._last, self._drawn, self._format
+        try:
+            with self._transaction():
+                yield
+        except BaseException:
+            self._last, self._drawn, self._format = before
+            raise
+
     def events(self) -> tuple[Event, ...]:
         """Everything that happened, in order."""
         with explained(self.path):
@@ -160,6 +171,9 @@ class Journal:
     @contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
         with explained(self.path):
+            if self._database.in_transaction:
+                yield self._database
+                return
             self._database.execute("BEGIN IMMEDIATE")
             try:
                 yield self._database

@@ -124,6 +124,9 @@ def read_readings(
         home,
         str(path),
         (*(field.findings if field else ()), *sorted(findings, key=lambda f: f.row)),
+        numbers=tuple(push.record.number for push in kept),
+        times=tuple(push.record.time for push in kept),
+        instrument=recording.instrument,
     )
 
 
