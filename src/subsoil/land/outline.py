@@ -7,8 +7,9 @@ ways; each is told apart here, so that a field is never laid in the wrong place.
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
-from shapely.geometry import LinearRing, MultiPolygon, Polygon
+from shapely.geometry import LinearRing, LineString, MultiPolygon, Polygon
 from shapely.validation import explain_validity
 
 from subsoil.errors import BoundaryError
@@ -16,7 +17,11 @@ from subsoil.land.swaps import looks_swapped
 
 Area = Polygon | MultiPolygon
 
+FARTHEST_M = 1e9
+"""No frame reaches farther from its origin, in m or feet."""
 _FIRST = 1000
+_START = 2000
+_MOST_CORNERS = 2_000_000
 _MOST_CELLS = 25_000_000
 _ORDER = "GeoJSON wants longitude first, .coords files want latitude first"
 
@@ -38,9 +43,11 @@ def polygon(vertices: ArrayLike, where: str) -> Polygon:
             f"an outline is three or more (easting, northing) pairs, not an array {points.shape}",
             where=where,
         )
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    bad = np.flatnonzero(~(np.abs(points) <= FARTHEST_M).all(axis=1))
     if bad.size:
-        raise BoundaryError("a vertex is not a number", where=f"{where}, vertex {bad[0] + 1}")
+        finite = np.isfinite(points[bad[0]]).all()
+        what = "a vertex is no place on Earth" if finite else "a vertex is not a number"
+        raise BoundaryError(what, where=f"{where}, vertex {bad[0] + 1}")
     corners = len(np.unique(points[:_FIRST], axis=0))
     corners = corners if corners > 2 else len(np.unique(points, axis=0))
     if corners < 3:
@@ -64,12 +71,28 @@ def check_outline(area: Area, where: str) -> None:
             where=where,
             remedy="give one closed outline of the field",
         )
-    if not area.is_valid:
+    corners = shapely.get_num_coordinates(area)
+    if corners > _MOST_CORNERS:
         raise BoundaryError(
-            f"the outline is not valid: {explain_validity(area)}",
+            f"the outline has {corners} corners", where=where, remedy="simplify it to a decimetre"
+        )
+    fault = _fault(area)
+    if fault:
+        raise BoundaryError(
+            f"the outline is not valid: {fault}",
             where=where,
             remedy="draw it in order around the field, without crossing itself",
         )
+
+
+def _fault(area: Area) -> str:
+    """Where an area crosses itself; empty if it does not. Scribbles are found out early."""
+    for ring in shapely.get_rings(area):
+        start = LineString(ring.coords[:_START])
+        if len(ring.coords) > _START and not start.is_simple:
+            return explain_validity(Polygon(start))
+    valid = explain_validity(area)
+    return "" if valid == "Valid Geometry" else valid
 
 
 def check_extent(bounds: tuple[float, float, float, float], cell_size: float, where: str) -> None:

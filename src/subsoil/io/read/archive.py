@@ -59,7 +59,8 @@ def read_archive(path: Path, readers: Mapping[str, Reader], crs: str | None, nam
             found = _read(asked[0], path, readers, crs, "")
             parcels = tuple(replace(each, name=name) for each in found.parcels)
             return replace(found, parcels=parcels)
-        return _only([(file, *_tried(file, path, readers, crs, name)) for file in files], path)
+        tried = [(file, *_tried(file, path, readers, crs, name)) for file in files]
+        return _only([each for each in tried if _calls(each[1], name)] or tried, path)
 
 
 def _only(tried: list[tuple[Path, Outlines | None, BoundaryError | None]], path: Path) -> Outlines:
@@ -76,6 +77,12 @@ def _only(tried: list[tuple[Path, Outlines | None, BoundaryError | None]], path:
     ((file, found),) = fit
     others = left_alone([f"file {each.name}" for each, *_ in tried if each != file], path.name)
     return replace(found, findings=(*found.findings, *others))
+
+
+def _calls(found: Outlines | None, name: str) -> bool:
+    """Whether a file holds an outline of a name."""
+    parcels = found.parcels if found else ()
+    return bool(name) and any(each.name.casefold() == name.casefold() for each in parcels)
 
 
 def _tried(

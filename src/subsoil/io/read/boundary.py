@@ -54,6 +54,7 @@ READERS: dict[str, Callable[[Path, str | None, str], Outlines]] = {
 """Reader of each suffix: from a path, the CRS of a file that names none, and a name to look for."""
 SUFFIXES = (*READERS, *ARCHIVES)
 """Suffixes of files of outlines."""
+_MOST_NAMES = 3
 
 
 def read_field(
@@ -154,15 +155,17 @@ def _name(found: Outlines, field: Field, name: str) -> str:
     """What a field is called: as its parcels are, or after its file."""
     parcels, _ = chosen(found.parcels, name, field.name)
     names = list(dict.fromkeys(each.name for each in parcels if each.name))
-    return printable(brief(" and ".join(names), 60)) or field.name
+    few = names if len(names) <= _MOST_NAMES else []
+    return printable(brief(" and ".join(few), 60)) or field.name
 
 
 def _holes(area: Area, file: str) -> tuple[Finding, ...]:
     """Say that holes of an outline are kept out of, if it has any."""
-    holes = [hole for part in shapely.get_parts(area) for hole in part.interiors]
+    rings = [hole for part in shapely.get_parts(area) for hole in part.interiors]
+    holes = [each for ring in rings if (each := shapely.Polygon(ring).area) >= 1.0]
     if not holes:
         return ()
-    hectares = sum(shapely.Polygon(hole).area for hole in holes) / 10_000
+    hectares = sum(holes) / 10_000
     what = "a hole" if len(holes) == 1 else f"{len(holes)} holes"
     seen = f"the outline has {what} of {hectares:.2g} ha"
     return (Finding(seen, "nothing is probed there", file=file),)

@@ -17,7 +17,7 @@ from subsoil.errors import BoundaryError, brief
 from subsoil.io.read.outlines import NOTHING, Feature, Outlines, frame, name_among, outlines_of
 from subsoil.io.read.text import read_text
 from subsoil.land.crs import WGS84
-from subsoil.land.outline import Area, polygon
+from subsoil.land.outline import FARTHEST_M, Area, polygon
 
 
 def read_geojson(path: Path, crs: str | None) -> Outlines:
@@ -169,7 +169,7 @@ def _line(coordinates: Any) -> LineString | None:
     except (TypeError, ValueError, OverflowError, KeyError):
         return None
     fit = corners.ndim == 2 and corners.shape[1] == 2 and len(corners) > 1
-    return LineString(corners) if fit and np.isfinite(corners).all() else None
+    return LineString(corners) if fit and (np.abs(corners) <= FARTHEST_M).all() else None
 
 
 def _polygon(rings: Any, where: str) -> Polygon:

@@ -47,7 +47,7 @@ def _place(point: Element, where: str) -> tuple[float, float]:
         place = float(point.get("lon", "")), float(point.get("lat", ""))
     except ValueError:
         place = np.nan, np.nan
-    if not np.isfinite(place).all():
+    if not (np.abs(place) <= (180, 90)).all():
         raise BoundaryError(
             "a point has no latitude and longitude", where=where, remedy="export it again"
         )

@@ -17,7 +17,7 @@ from subsoil.errors import BoundaryError, brief
 from subsoil.io.read.outlines import NOTHING, Feature, Outlines, not_an_outline, outlines_of
 from subsoil.io.read.xml import Element, kind_of, parsed, word_of
 from subsoil.land.crs import WGS84
-from subsoil.land.outline import polygon
+from subsoil.land.outline import FARTHEST_M, polygon
 
 _LINES = ("LineString", "LinearRing", "Track")
 _SHAPES = ("Point", *_LINES, "Model")
@@ -73,7 +73,8 @@ def _line(element: Element, where: str) -> LineString | None:
     if kind_of(element) == "Track":
         texts = [",".join(text.split()) for text in texts]
     corners = _corners(" ".join(texts), where)
-    return LineString(corners) if len(corners) > 1 and np.isfinite(corners).all() else None
+    fit = len(corners) > 1 and (np.abs(corners) <= FARTHEST_M).all()
+    return LineString(corners) if fit else None
 
 
 def _polygon(element: Element, where: str) -> Polygon:

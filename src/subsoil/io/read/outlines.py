@@ -128,7 +128,7 @@ def outlines_of(features: Iterable[Feature], crs: str, file: str) -> Outlines:
             keep_outs.append(area)
         else:
             parcels.append(Parcel(each.where, area, each.name))
-    for each in beside:
+    for each in sorted(beside, key=lambda each: isinstance(each.shape, str)):
         if each.is_keep_out or each.what not in _BESIDE or not (parcels or keep_outs):
             raise _no_outline(each, crs)
     left = [f"{each.what} of {each.where}".replace(f" of {file}, ", " of ") for each in beside]

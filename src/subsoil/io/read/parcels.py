@@ -106,7 +106,8 @@ def _check_apart(parcels: Sequence[Parcel], file: str) -> None:
 def _check_overlap(parcels: Sequence[Parcel], file: str) -> None:
     areas = np.array([each.area for each in parcels], dtype=object)
     pairs = shapely.STRtree(areas).query(areas, predicate="intersects").T
-    for one, other in pairs[pairs[:, 0] != pairs[:, 1]]:
+    for pair in pairs[pairs[:, 0] < pairs[:, 1]]:
+        one, other = sorted(pair, key=lambda k: parcels[k].area.area)
         shared = areas[one].intersection(areas[other]).area
         if shared <= _MOST_OVERLAP * areas[one].area:
             continue

@@ -18,6 +18,7 @@ MOST_GAP_M = 10.0
 _MOST_GAP_SHARE = 0.05
 _SLIVER_M2 = 1.0
 _LOOPS_SHARE = 0.01
+_MOST_WALKED = 5000
 _M_A_DEGREE = 111_320.0
 
 
@@ -31,14 +32,14 @@ def closed(line: LineString, crs: str) -> Polygon | None:
     """Area that a line goes around, ``None`` if its ends lie apart or it encloses nothing.
 
     A walked line crosses itself where somebody stood or turned; loops of up to 1 % of the area
-    are left out.
+    are left out. A line of more than 5000 corners is taken as it stands.
     """
     corners = shapely.get_coordinates(line)
     length = float(np.hypot(*np.diff(_on_ground(corners, crs), axis=0).T).sum())
     if len(corners) < 4 or not gap_m(line, crs) <= min(MOST_GAP_M, _MOST_GAP_SHARE * length):
         return None
     ring = Polygon(corners)
-    if ring.is_valid:
+    if len(corners) > _MOST_WALKED or ring.is_valid:
         return ring
     parts = shapely.get_parts(shapely.make_valid(ring))
     largest = max(parts, key=lambda part: part.area)
