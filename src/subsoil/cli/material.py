@@ -22,6 +22,7 @@ from subsoil.cli.options import (
     DEFAULT_EDGES,
     EstimatorName,
     EstimatorSettings,
+    allowed_by,
     layers_of,
     numbers,
 )
@@ -121,6 +122,7 @@ class MaterialOptions:
                 readings = replace(readings, extent_m=field.extent_m)
             return _enough(Material(readings, survey.layers), self.readings)
         cone = Cone(self.cone_area) if self.cone_area is not None else None
+        allowed_by(None, self.reader)  # so that a reader of one's own is found in this folder
         readings = read_readings(
             self.readings,
             field=field,
