@@ -16,11 +16,11 @@ from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
 from subsoil.findings import Finding, left_out
 from subsoil.io.read.instruments import INSTRUMENTS, Reader
+from subsoil.io.read.joining import located
 from subsoil.io.read.missing import without_codes
 from subsoil.io.read.places import Places, elsewhere, outside
 from subsoil.io.read.plausible import doubts, stray
 from subsoil.io.read.position_files import read_positions
-from subsoil.io.read.positions import located
 from subsoil.io.read.recording import Recording, kpa_per_unit
 from subsoil.io.read.screening import Push, screened
 from subsoil.io.read.table import looks_like_table, read_table
