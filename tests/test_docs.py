@@ -11,6 +11,7 @@ from pathlib import Path
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "strategies.md"
 ROBOTS = DOCS / "robots.md"
+FILES = DOCS / "files.md"
 NAME = "mine:variance_per_second"
 
 
@@ -67,3 +68,25 @@ def test_the_robot_of_the_page_surveys(tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "6 samples" in done.stdout
+
+
+def test_the_reader_of_the_page_reads(tmp_path: Path) -> None:
+    code = re.search(r"```python\n(# mine\.py\n.*?)```", FILES.read_text(), re.DOTALL)
+    assert code
+    body = code[1].split("def read")[1]
+    assert len(body.strip().splitlines()) <= 20
+    (tmp_path / "mine.py").write_text(code[1])
+    (tmp_path / "walk.probe").write_text(
+        "".join(
+            f"{k};52.09{60 + k % 5};5.64{20 + 3 * k};0.{4 + k % 3};1.{k % 7};1.{k}\n"
+            for k in range(1, 9)
+        )
+    )
+    subsoil(tmp_path, "cv", "walk.probe", "--reader", "mine:read", "--layers", "0,0.05,0.1,0.15")
+    subsoil(tmp_path, "cv", "walk.probe", "--reader", "mine:READER", "--layers", "0,0.05,0.1,0.15")
+
+
+def test_the_page_names_every_reader() -> None:
+    from subsoil.io.read.readings import READERS
+
+    assert set(READERS) <= set(re.findall(r"^\| `([\w-]+)` \|", FILES.read_text(), re.MULTILINE))

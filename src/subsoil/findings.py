@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
+
+from subsoil.errors import listed
 
 Severity = Literal["note", "doubt", "left out"]
 """A note asks for nothing, a doubt for a look at the file; what could have counted is left out."""
@@ -55,6 +57,43 @@ class Finding:
 def left_out(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Those about what could have counted and does not."""
     return tuple(finding for finding in findings if finding.severity == "left out")
+
+
+def together(findings: Iterable[Finding], most: int = 30) -> tuple[str, ...]:
+    """Findings in words for a screen: a line for all rows of which the same is to be said.
+
+    Parameters
+    ----------
+    findings
+        What is to be said.
+    most
+        Most lines; a last one says how many findings are not shown.
+
+    Examples
+    --------
+    >>> rows = [Finding("no position", "left out", "left out", "a.csv", row) for row in range(2, 9)]
+    >>> for line in together([*rows, Finding("12 positions", file="p.gpx")]):
+    ...     print(line)
+    a.csv, rows 2, 3, 4, 5, 6, 7 and 1 more: no position; left out
+    p.gpx: 12 positions
+    """
+    grouped: dict[tuple[str, str, str, str], list[Finding]] = {}
+    for each in findings:
+        grouped.setdefault((each.file, each.column, each.seen, each.done), []).append(each)
+    files = {file for file, *_ in grouped if file}
+    lines = [_line(group, named=len(files) > 1) for group in grouped.values()]
+    rest = sum(len(group) for group in list(grouped.values())[most:])
+    return (*lines[:most], *([f"{rest} more; --json lists all"] if rest else ()))
+
+
+def _line(group: Sequence[Finding], *, named: bool) -> str:
+    first, rows = group[0], [str(each.row) for each in group]
+    if not first.row:
+        return str(first)
+    line = str(first)
+    if len(rows) > 1:
+        line = line.replace(f"row {first.row}", f"rows {listed(rows)}", 1)
+    return f"{first.file}, {line}" if named and first.file else line
 
 
 def others(findings: Iterable[Finding]) -> tuple[str, ...]:

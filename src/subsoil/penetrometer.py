@@ -69,7 +69,7 @@ class Cone:
                 f"a cone's base area lies between {SMALLEST_MM2:g} and {LARGEST_MM2:g} mm2, "
                 f"not {self.area_mm2:g}",
                 where="cone area",
-                remedy="323 (large ASABE cone) or 130 (small) are the usual ones",
+                remedy="323 (large ASABE cone) or 130 (small) are usual; 1 cm2 is 100 mm2",
             )
         if not 0 < self.angle_deg < 180:
             raise ParameterError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -13,8 +14,8 @@ import shapely
 
 from subsoil.errors import ReadingsError
 from subsoil.findings import left_out
+from subsoil.io.read.joining import Positions, located
 from subsoil.io.read.position_files import read_positions
-from subsoil.io.read.positions import Positions, located
 from subsoil.io.read.readings import read_readings
 from subsoil.io.read.recording import Record, Recording
 
@@ -164,7 +165,7 @@ def test_pushes_without_any_position_are_refused_with_the_remedy() -> None:
 
 def some_placed() -> Recording:
     one, two = pushes(numbers="1 2").records
-    own = Record(**{**one.__dict__, "x": 5.0, "y": 52.0})
+    own = replace(one, x=5.0, y=52.0)
     return Recording((own, two), (), "lonlat", "kpa")
 
 

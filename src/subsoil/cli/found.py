@@ -7,18 +7,27 @@ from dataclasses import asdict
 
 import typer
 
-from subsoil.findings import Finding, left_out, others
+from subsoil.findings import Finding, left_out, others, together
 
 
 def said(
     findings: Sequence[Finding], further: Sequence[str] = (), *, as_json: bool
 ) -> dict[str, object]:
-    """What was left out and what else there is to know; each finding by its parts in JSON."""
-    words = {
-        "refused": tuple(str(finding) for finding in left_out(findings)),
-        "notes": tuple(dict.fromkeys((*others(findings), *further))),
+    """What was left out and what else there is to know.
+
+    In JSON each finding stands for itself, in words and by its parts; on a screen those of which
+    the same is to be said share a line, and a long list is cut.
+    """
+    refused = left_out(findings)
+    if as_json:
+        notes = tuple(dict.fromkeys((*others(findings), *further)))
+        parts = [asdict(each) for each in findings]
+        return {"refused": tuple(map(str, refused)), "notes": notes, "findings": parts}
+    rest = [each for each in findings if each.severity != "left out"]
+    return {
+        "refused": together(refused),
+        "notes": tuple(dict.fromkeys((*together(rest), *further))),
     }
-    return {**words, "findings": [asdict(each) for each in findings]} if as_json else {**words}
 
 
 def exit_for(findings: Sequence[Finding]) -> None:

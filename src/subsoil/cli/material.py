@@ -24,6 +24,7 @@ from subsoil.cli.options import (
     DEFAULT_EDGES,
     EstimatorName,
     EstimatorSettings,
+    allowed_by,
     layers_of,
     numbers,
 )
@@ -117,6 +118,7 @@ class ReadingOptions:
     def readings_in(self, path: Path, field: Field | None) -> Readings:
         """Readings of a file, those of a field if there is one."""
         cone = Cone(self.cone_area) if self.cone_area is not None else None
+        allowed_by(None, self.reader)  # so that a reader of one's own is found in this folder
         return read_readings(
             path,
             field=field,

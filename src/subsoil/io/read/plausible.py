@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,7 +26,7 @@ _USUAL_KPA = (300.0, 5000.0)
 """What the typical reading of a survey lies between as a rule."""
 _TILLED_M, _SHALLOW_M = 0.2, 0.04
 _TIMES_IN_DEPTH, _TIMES_IN_SPACE, _BEYOND_TYPICAL = 4.0, 3.0, 1.5
-_NEIGHBOURS = 8
+_NEIGHBOURS, _MOST_SPIKES = 8, 100
 _SLOW_MPS, _FAST_MPS = 0.005, 0.06
 _SMALL_MM2 = 50.0
 _SIGMAS = 2.5
@@ -42,13 +43,13 @@ def doubts(
     rows = np.array([push.record.row for push in pushes], dtype=np.int64)
     x = np.array([push.record.x for push in pushes])
     y = np.array([push.record.y for push in pushes])
-    profiles = [push.profile for push in pushes]
+    flat = Flat.of([push.profile for push in pushes])
     return (
-        *strength(profiles, file),
-        *depths(profiles, file),
+        *strength(flat, file),
+        *depths(flat, file),
         *cone_area(cone, file),
-        *spikes(profiles, at, rows, file),
-        *ended_early(profiles, file),
+        *spikes(flat, at, rows, file),
+        *ended_early(flat, file),
         *speed([(push.record.depth_m, push.record.seconds) for push in pushes], file),
         *coarse(x, y, frame, file),
         *frozen(x, y, rows, file),
@@ -57,35 +58,60 @@ def doubts(
 
 
 @dataclass(frozen=True)
-class _Flat:
-    """All readings of all pushes in a row: (k,) push, top and depth in m, kPa."""
+class Flat:
+    """All readings of all pushes, one push after the other.
+
+    Attributes
+    ----------
+    push
+        (k,) which push each is of, from 0 on.
+    top_m, depth_m
+        (k,) depths in m between which it stands for the soil.
+    kpa
+        (k,) pressures in kPa.
+    ends_m
+        (n,) depth in m of the last reading of each push.
+    """
 
     push: Integers
     top_m: Floats
     depth_m: Floats
     kpa: Floats
+    ends_m: Floats
+
+    @classmethod
+    def of(cls, profiles: Sequence[Profile]) -> Flat:
+        """Readings of (n,) pushes, each of which has one or more."""
+        sizes = np.array([profile.kpa.size for profile in profiles])
+        depth_m = np.concatenate([profile.depth_m for profile in profiles])
+        return cls(
+            np.repeat(np.arange(sizes.size), sizes),
+            np.concatenate([profile.top_m for profile in profiles]),
+            depth_m,
+            np.concatenate([profile.kpa for profile in profiles]),
+            depth_m[np.cumsum(sizes) - 1],
+        )
+
+    @cached_property
+    def typical_kpa(self) -> float:
+        """Median of all readings above zero; zero if there is none."""
+        above = self.kpa[self.kpa > 0]
+        return float(np.median(above)) if above.size else 0.0
+
+    def covering(self, depth_m: float) -> Bools:
+        """(k,) which readings stand for the soil just above a depth."""
+        return np.asarray((self.top_m < depth_m) & (self.depth_m >= depth_m))
 
 
-def _flat(profiles: Sequence[Profile]) -> _Flat:
-    sizes = [profile.kpa.size for profile in profiles]
-    return _Flat(
-        np.repeat(np.arange(len(sizes)), sizes),
-        np.concatenate([profile.top_m for profile in profiles]),
-        np.concatenate([profile.depth_m for profile in profiles]),
-        np.concatenate([profile.kpa for profile in profiles]),
-    )
-
-
-def strength(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
+def strength(flat: Flat, file: str) -> Iterator[Finding]:
     """Say if the typical strength of all readings together is none of soil.
 
     Freshly tilled topsoil may have 100 kPa; below it there is more.
     """
-    kpa = np.concatenate([profile.kpa for profile in profiles])
-    deep = max(profile.depth_m[-1] for profile in profiles) > _TILLED_M
-    if not (kpa > 0).any():
+    deep = flat.ends_m.max() > _TILLED_M
+    typical = flat.typical_kpa
+    if not typical:
         return
-    typical = float(np.median(kpa[kpa > 0]))
     if typical > _HARD_KPA:
         seen = f"the typical reading is {typical:.4g} kPa, harder than almost any soil"
         done = "check the unit: kPa under a heading of psi? the cone area?"
@@ -104,9 +130,9 @@ def strength(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
     yield Finding(seen, done, "doubt", file)
 
 
-def depths(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
+def depths(flat: Flat, file: str) -> Iterator[Finding]:
     """Say if no push went deeper than a finger is thick."""
-    deepest = max(profile.depth_m[-1] for profile in profiles)
+    deepest = flat.ends_m.max()
     if deepest < _SHALLOW_M:
         seen = f"the deepest reading is at {deepest:.3g} m"
         yield Finding(seen, "check the unit of depths", "doubt", file)
@@ -121,59 +147,56 @@ def cone_area(cone: Cone | None, file: str) -> Iterator[Finding]:
         yield Finding(seen, done, "doubt", file)
 
 
-def spikes(profiles: Sequence[Profile], at: Floats, rows: Integers, file: str) -> Iterator[Finding]:
+def spikes(flat: Flat, at: Floats, rows: Integers, file: str) -> Iterator[Finding]:
     """Name single readings far beyond those above and below, and those of the pushes around.
 
     A stone is hard too, but is rarely met in one reading alone that is several times as hard as
     all around: an extra digit is.
     """
-    flat = _flat(profiles)
-    if not (flat.kpa > 0).any():
-        return
     same = flat.push[1:] == flat.push[:-1]
     above = np.concatenate([[np.nan], np.where(same, flat.kpa[:-1], np.nan)])
     below = np.concatenate([np.where(same, flat.kpa[1:], np.nan), [np.nan]])
     beside = np.fmax(above, below)
-    beyond = flat.kpa - beside > _BEYOND_TYPICAL * np.median(flat.kpa[flat.kpa > 0])
-    for k in np.flatnonzero(beyond & (flat.kpa > _TIMES_IN_DEPTH * beside)):
+    beyond = flat.kpa - beside > _BEYOND_TYPICAL * flat.typical_kpa
+    found = np.flatnonzero(beyond & (flat.kpa > _TIMES_IN_DEPTH * beside))
+    if found.size > _MOST_SPIKES:
+        seen = f"{found.size} readings are several times as hard as those above and below"
+        yield Finding(seen, "kept; check the instrument, or the decimal marks", "doubt", file)
+        return
+    for k in found:
         around = _around(flat, at, int(flat.push[k]), flat.depth_m[k])
         if around.size and flat.kpa[k] <= _TIMES_IN_SPACE * around.max():
             continue
         hardest = float(np.max([beside[k], *around]))
         seen = f"{flat.kpa[k]:.5g} kPa, where readings around it have {hardest:.4g} kPa at most"
         done = "kept; correct it if it is a slip of the pen"
-        yield Finding(seen, done, "doubt", file, int(rows[flat.push[k]]), f"{flat.depth_m[k]:g} m")
+        column = f"{flat.depth_m[k]:g} m"
+        yield Finding(seen, done, "doubt", file, int(rows[flat.push[k]]), column)
 
 
-def _around(flat: _Flat, at: Floats, push: int, depth_m: float) -> Floats:
+def _around(flat: Flat, at: Floats, push: int, depth_m: float) -> Floats:
     """Readings at a depth of the pushes nearest to one, kPa."""
-    others = _covering(flat, depth_m) & (flat.push != push)
+    others = flat.covering(depth_m) & (flat.push != push)
     away = np.hypot(*(at[flat.push[others]] - at[push]).T)
     return np.asarray(flat.kpa[others][np.argsort(away, kind="stable")[:_NEIGHBOURS]])
 
 
-def _covering(flat: _Flat, depth_m: float) -> Bools:
-    """(k,) readings that stand for the soil just above a depth."""
-    return np.asarray((flat.top_m < depth_m) & (flat.depth_m >= depth_m))
-
-
-def ended_early(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
+def ended_early(flat: Flat, file: str) -> Iterator[Finding]:
     """Say if pushes ended where it was harder than others had it: below them the map is too soft.
 
     Where pushes end by chance, the shares of other pushes that had it softer at that depth are
     evenly spread, and their mean over m pushes has a standard deviation of ``(12 m) ** -0.5``.
     """
-    ends = np.array([profile.depth_m[-1] for profile in profiles])
+    ends = flat.ends_m
     depths_m, counts = np.unique(ends, return_counts=True)
     full = depths_m[np.argmax(counts)]
     early = np.flatnonzero(ends < full)
     if early.size < _FEWEST_ENDED:
         return
-    flat = _flat(profiles)
     shares: list[float] = []
     met: list[tuple[float, float]] = []
     for end in np.unique(ends[early])[-_MOST_ENDS:]:
-        here = _covering(flat, end)
+        here = flat.covering(end)
         others = flat.kpa[here & (ends[flat.push] > end)]
         for last in flat.kpa[here & (ends[flat.push] == end)] if others.size else ():
             shares.append(float((others < last).mean() + (others == last).mean() / 2))
@@ -182,7 +205,7 @@ def ended_early(profiles: Sequence[Profile], file: str) -> Iterator[Finding]:
         return
     harder, usual = np.median(met, axis=0)
     seen = (
-        f"{early.size} of {len(profiles)} pushes ended above {full:g} m, at {harder:.4g} kPa "
+        f"{early.size} of {ends.size} pushes ended above {full:g} m, at {harder:.4g} kPa "
         f"where others had {usual:.4g} kPa (typical)"
     )
     done = "deep layers rest on the pushes that got through, so the map is too soft there"

@@ -101,12 +101,14 @@ def frozen(x: Floats, y: Floats, rows: Integers, file: str) -> Iterator[Finding]
     starts = np.concatenate([[True], (np.diff(x) != 0) | (np.diff(y) != 0)])
     first = np.flatnonzero(starts)
     lengths = np.diff(np.append(first, len(x)))
-    for start, length in zip(first, lengths, strict=True):
-        if length >= _RUN and length > 2 * np.median(lengths) and len(first) > 1:
-            last = rows[start + length - 1]
-            seen = f"{length} pushes in a row, to row {last}, share a position to its last digit"
-            done = "kept as repeats at one place; did the receiver stand still?"
-            yield Finding(seen, done, "doubt", file, int(rows[start]))
+    if len(first) == 1:
+        return
+    for run in np.flatnonzero((lengths >= _RUN) & (lengths > 2 * np.median(lengths))):
+        start, length = first[run], lengths[run]
+        last = rows[start + length - 1]
+        seen = f"{length} pushes in a row, to row {last}, share a position to its last digit"
+        done = "kept as repeats at one place; did the receiver stand still?"
+        yield Finding(seen, done, "doubt", file, int(rows[start]))
 
 
 def crowded(x: Floats, y: Floats, rows: Integers, file: str) -> Iterator[Finding]:
@@ -120,8 +122,9 @@ def crowded(x: Floats, y: Floats, rows: Integers, file: str) -> Iterator[Finding
             seen = f"all {len(x)} pushes share one position"
             yield Finding(seen, "nothing can be mapped; check the receiver", "doubt", file)
         return
+    order = np.split(np.argsort(which, kind="stable"), np.cumsum(counts)[:-1])
     for place in np.flatnonzero((counts >= _RUN) & (counts > 2 * np.median(counts))):
-        here = np.flatnonzero(which == place)
+        here = order[place]
         if np.ptp(here) == here.size - 1:
             continue
         seen = f"{here.size} pushes share a position, rows {listed([str(r) for r in rows[here]])}"

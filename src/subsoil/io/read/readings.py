@@ -17,11 +17,11 @@ from subsoil.arrays import Bools, Floats, Integers
 from subsoil.errors import ReadingsError
 from subsoil.findings import Finding, left_out
 from subsoil.io.read.instruments import INSTRUMENTS, Reader
+from subsoil.io.read.joining import located
 from subsoil.io.read.missing import without_codes
 from subsoil.io.read.places import Places
 from subsoil.io.read.plausible import doubts, stray
 from subsoil.io.read.position_files import read_positions
-from subsoil.io.read.positions import located
 from subsoil.io.read.recording import Recording, kpa_per_unit
 from subsoil.io.read.screening import Push, screened
 from subsoil.io.read.sheet import NO_MEANINGS, Meanings

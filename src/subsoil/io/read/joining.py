@@ -6,6 +6,7 @@ GPX too, but it takes any text for what its content says, and is not needed for 
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -68,8 +69,8 @@ def located(recording: Recording, positions: Positions | None, file: str) -> Rec
     ReadingsError
         If no record has a place, or the two files cannot be joined.
     """
-    lacking = [each for each in recording.records if not np.isfinite([each.x, each.y]).all()]
-    own = [each for each in recording.records if np.isfinite([each.x, each.y]).all()]
+    lacking = [each for each in recording.records if not _placed(each)]
+    own = [each for each in recording.records if _placed(each)]
     if positions is None:
         return _without(recording, own, lacking, file)
     if not lacking:
@@ -100,11 +101,15 @@ def located(recording: Recording, positions: Positions | None, file: str) -> Rec
     )
     return replace(
         recording,
-        records=tuple(each for each in moved if np.isfinite([each.x, each.y]).all()),
+        records=tuple(each for each in moved if _placed(each)),
         findings=(*recording.findings, *positions.findings, *findings),
         frame=positions.frame,
         crs=positions.crs or recording.crs,
     )
+
+
+def _placed(record: Record) -> bool:
+    return math.isfinite(record.x) and math.isfinite(record.y)
 
 
 def _without(
