@@ -17,6 +17,7 @@ _ANGLE = re.compile(
     rf"(?:(?P<seconds>{_NUMBER})\s*(?:\"|″|”|''|’’|′′|s|sec)?)?)?)?\s*(?P<last>[NSEWO])?",
     re.IGNORECASE,
 )
+_DECIMAL = set("0123456789.,+-")
 _SOUTH_WEST = "SW"
 NORTH_SOUTH, EAST_WEST = "NS", "EW"
 
@@ -56,6 +57,8 @@ def angles(texts: Sequence[str], halves: Sequence[str], axis: str) -> tuple[Floa
 
 def has_parts(texts: Sequence[str]) -> bool:
     """Whether any of the texts has minutes, or says its hemisphere."""
+    if set().union(*texts) <= _DECIMAL:
+        return False
     return any(
         match is not None
         and (match["minutes"] or match["first"] or match["last"] or not _plain(text))

@@ -13,7 +13,7 @@ from subsoil.io.read.recording import HARDEST_KPA, Frame, Record
 from subsoil.penetrometer import Profile
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Push:
     """A record that can be used, and its profile in kPa."""
 
