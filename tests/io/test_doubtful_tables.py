@@ -150,17 +150,21 @@ def test_numbers_as_programs_write_them_shortest_are_never_doubted_if_one_shows_
     check_marks([repr(value) for value in [*values, 0.25]], most=50_000.0)
 
 
+def read_or_refused(cells: list[str]) -> list[float] | None:
+    """Numbers of cells as they are read; ``None`` if they are refused for what they may be."""
+    try:
+        writing = writing_of(cells, most=50_000.0)
+    except ValueError as error:
+        return None if "may be" in str(error) or "do not agree" in str(error) else [float("nan")]
+    return [float(writing.plain(cell)) for cell in cells]
+
+
 @given(st.lists(st.integers(0, 49_000), min_size=1, max_size=20), st.sampled_from([".", ",", "'"]))
 def test_whole_numbers_with_thousands_marks_are_read_as_such_or_refused(
     values: list[int], mark: str
 ) -> None:
     cells = [f"{value:,}".replace(",", mark) for value in values]
-    try:
-        writing = writing_of(cells, most=50_000.0)
-    except ValueError as error:
-        assert "may be" in str(error)
-    else:
-        assert [float(writing.plain(cell)) for cell in cells] == values
+    assert read_or_refused(cells) in (values, None)
 
 
 @given(
@@ -177,13 +181,7 @@ def test_numbers_of_one_writing_are_read_as_written_or_refused(
         f"{number:,.{digits}f}".translate(str.maketrans({",": thousands, ".": decimal}))
         for number in numbers
     ]
-    try:
-        writing = writing_of(cells, most=50_000.0)
-    except ValueError as error:
-        assert "may be" in str(error)
-    else:
-        read = [float(writing.plain(cell)) for cell in cells]
-        assert read == [float(f"{number:.{digits}f}") for number in numbers]
+    assert read_or_refused(cells) in ([float(f"{n:.{digits}f}") for n in numbers], None)
 
 
 # Headings
