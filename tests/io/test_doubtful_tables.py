@@ -177,10 +177,7 @@ def test_numbers_of_one_writing_are_read_as_written_or_refused(
 ) -> None:
     decimal, thousands = marks
     numbers = [value / 10 for value in values]
-    cells = [
-        f"{number:,.{digits}f}".translate(str.maketrans({",": thousands, ".": decimal}))
-        for number in numbers
-    ]
+    cells = [f"{number:,.{digits}f}".translate({44: thousands, 46: decimal}) for number in numbers]
     assert read_or_refused(cells) in ([float(f"{n:.{digits}f}") for n in numbers], None)
 
 
