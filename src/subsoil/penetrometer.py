@@ -149,7 +149,8 @@ class Profile:
 
     def __post_init__(self) -> None:
         _check_series(self.depth_m, self.kpa, "pressure", SLIGHT_KPA)
-        above = np.concatenate([[0.0], self.depth_m[:-1]])[: self.depth_m.size]
+        above = np.zeros(self.depth_m.size)
+        above[1:] = self.depth_m[:-1]
         if not self.top_m.size:
             object.__setattr__(self, "top_m", above)
         elif (
@@ -295,14 +296,15 @@ def _check_series(depth_m: Floats, values: Floats, name: str, slight: float) -> 
             f"{depth_m.size} depths do not pair with {values.size} {name} readings",
             remedy="give one depth a reading",
         )
-    descending = np.all(np.diff(depth_m) > 0) and np.all(np.isfinite(depth_m))
+    descending = (depth_m[1:] > depth_m[:-1]).all() and np.isfinite(depth_m).all()
     if depth_m.size and not (descending and depth_m[0] >= 0):
         raise ReadingsError(
             "depths must increase downwards from the surface",
             remedy="give depth in metres, positive down, shallowest first",
         )
-    bad = np.flatnonzero(~np.isfinite(values) | (values < -slight))
-    if bad.size:
+    fine = np.isfinite(values) & (values >= -slight)
+    if not fine.all():
+        bad = np.flatnonzero(~fine)
         raise ReadingsError(
             f"{name} is {values[bad[0]]:g} at {depth_m[bad[0]]:.3f} m",
             remedy="leave out readings that were not taken",

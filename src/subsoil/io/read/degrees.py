@@ -11,12 +11,21 @@ from subsoil.arrays import Floats
 from subsoil.errors import brief
 
 _NUMBER = r"\d+(?:[.,]\d+)?"
-_ANGLE = re.compile(
-    rf"(?P<first>[NSEWO])?\s*(?P<minus>[-+])?\s*(?P<degrees>{_NUMBER})\s*"
-    rf"(?:(?:°|º|˚|d|deg|:|\s|-)\s*(?:(?P<minutes>{_NUMBER})\s*(?:'|′|’|m|min|:|\s|-)?\s*"
-    rf"(?:(?P<seconds>{_NUMBER})\s*(?:\"|″|”|''|’’|′′|s|sec)?)?)?)?\s*(?P<last>[NSEWO])?",
-    re.IGNORECASE,
-)
+
+
+def _written(degree: str, minute: str, second: str) -> re.Pattern[str]:
+    """Pattern of an angle whose parts end in marks of one kind."""
+    return re.compile(
+        rf"(?P<first>[NSEWO])?\s*(?P<minus>[-+])?\s*(?P<degrees>{_NUMBER})\s*"
+        rf"(?:(?P<mark>{degree})\s*(?:(?P<minutes>{_NUMBER})\s*(?:{minute})\s*"
+        rf"(?:(?P<seconds>{_NUMBER})\s*(?:{second}))?)?)?\s*(?P<last>[NSEWO])?",
+        re.IGNORECASE,
+    )
+
+
+_BY_SIGNS = _written(r"°|º|˚|:|\s|-", r"'|′|’|:|\s|-|", r"\"|″|”|''|’’|′′|")
+_BY_LETTERS = _written(r"d|deg", r"m|min", r"s|sec")
+_DECIMAL = set("0123456789.,+-")
 _SOUTH_WEST = "SW"
 NORTH_SOUTH, EAST_WEST = "NS", "EW"
 
@@ -56,16 +65,17 @@ def angles(texts: Sequence[str], halves: Sequence[str], axis: str) -> tuple[Floa
 
 def has_parts(texts: Sequence[str]) -> bool:
     """Whether any of the texts has minutes, or says its hemisphere."""
+    if set().union(*texts) <= _DECIMAL:
+        return False
     return any(
-        match is not None
-        and (match["minutes"] or match["first"] or match["last"] or not _plain(text))
+        any(match[part] for part in ("minutes", "first", "last", "mark"))
         for text in texts
-        if (match := _ANGLE.fullmatch(text.strip()))
+        if (match := _match(text.strip()))
     )
 
 
-def _plain(text: str) -> bool:
-    return not set(text) & set("°º˚dD")
+def _match(text: str) -> re.Match[str] | None:
+    return _BY_LETTERS.fullmatch(text) or _BY_SIGNS.fullmatch(text)
 
 
 def _is_nmea(texts: Sequence[str], halves: Sequence[str], axis: str) -> bool:
@@ -76,7 +86,7 @@ def _is_nmea(texts: Sequence[str], halves: Sequence[str], axis: str) -> bool:
     """
     widest = 90 if axis == NORTH_SOUTH else 180
     for text, half in zip(texts, halves, strict=True):
-        match = _ANGLE.fullmatch(text.strip())
+        match = _match(text.strip())
         if (
             match is None
             or match["minutes"]
@@ -90,7 +100,7 @@ def _is_nmea(texts: Sequence[str], halves: Sequence[str], axis: str) -> bool:
 
 
 def _angle(text: str, half: str, axis: str, packed: bool) -> float:
-    match = _ANGLE.fullmatch(text)
+    match = _match(text)
     if not text:
         raise ValueError("a number is missing")
     if match is None:

@@ -66,7 +66,7 @@ def _delimiter(text: str) -> str:
                 scores[delimiter] = 0
     apart = max((understood(line.split()) for line in lines[:_FIRST_LINES]), default=0)
     best = max(scores, key=lambda each: scores[each], default=" ")
-    return " " if apart > scores.get(best, 0) else best
+    return " " if apart > 1 >= scores.get(best, 0) else best
 
 
 def _rows(text: str, delimiter: str, start: int, file: str) -> Iterator[Row]:

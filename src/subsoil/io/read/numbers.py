@@ -14,7 +14,7 @@ from subsoil.io.read.marks import Writing
 from subsoil.io.read.missing import is_missing
 from subsoil.io.read.text import number
 
-_PLAIN = set("0123456789.+-eE \t")
+_PLAIN = set("0123456789+-eE \t")
 _AT_LEAST = re.compile(r"(?:>=?|≥)\s*(?P<more>\S.*)|(?P<plus>\d.*?)\s*\+")
 
 
@@ -46,13 +46,8 @@ def numbers_of(texts: Sequence[str], writing: Writing) -> Numbers:
     Numbers(values=array([ 1.5,  nan, 50. ,  nan]), wrong={3: "'stone' is not a number"}, \
 at_least=frozenset({2}))
     """
-    if writing == Writing() and set().union(*texts) <= _PLAIN:
-        try:
-            return Numbers(
-                np.array([float(text) if text.strip() else np.nan for text in texts]), {}
-            )
-        except ValueError:
-            pass
+    if (plain := _plain(texts, writing)) is not None:
+        return Numbers(plain, {})
     values = np.full(len(texts), np.nan)
     wrong: dict[int, str] = {}
     at_least: set[int] = set()
@@ -68,6 +63,23 @@ at_least=frozenset({2}))
         except ValueError as error:
             wrong[k] = str(error)
     return Numbers(values, wrong, frozenset(at_least - wrong.keys()))
+
+
+def _plain(texts: Sequence[str], writing: Writing) -> Floats | None:
+    """Numbers of cells that are nothing but plain numbers and codes for none, else ``None``."""
+    words = set(texts)
+    codes = {word for word in words if not word[-1:].isdigit()}
+    numbers = words - codes
+    if writing.thousands or not all(map(is_missing, codes)):
+        return None
+    if not set().union(*numbers) <= _PLAIN | {writing.decimal}:
+        return None
+    try:
+        meant = {word: float(word.replace(",", ".")) for word in numbers}
+    except ValueError:
+        return None
+    meant.update(dict.fromkeys(codes, np.nan))
+    return np.array([meant[text] for text in texts], dtype=float)
 
 
 def _number(text: str, writing: Writing) -> float:

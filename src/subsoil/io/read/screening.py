@@ -13,7 +13,7 @@ from subsoil.io.read.recording import HARDEST_KPA, Frame, Record
 from subsoil.penetrometer import Profile
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Push:
     """A record that can be used, and its profile in kPa."""
 
@@ -67,11 +67,12 @@ def _check_degrees(longitude: float, latitude: float) -> None:
         raise ValueError("latitude 0, longitude 0 means that the receiver had no fix")
     if abs(latitude) <= 90 and abs(longitude) <= 180:
         return
-    swappable = abs(longitude) <= 90 and abs(latitude) <= 180
-    raise ValueError(
-        f"latitude {latitude:g}, longitude {longitude:g} is no place on Earth"
-        + (": latitude and longitude look swapped" if swappable else "")
-    )
+    guess = ""
+    if abs(longitude) <= 90 and abs(latitude) <= 180:
+        guess = ": latitude and longitude look swapped"
+    elif abs(latitude) < 9060 and abs(latitude) % 100 < 60:
+        guess = ": degrees and minutes in one number need N or S, and E or W"
+    raise ValueError(f"latitude {latitude:g}, longitude {longitude:g} is no place on Earth{guess}")
 
 
 def _profile(record: Record, kpa_per_unit: float) -> tuple[Profile, Floats]:

@@ -15,7 +15,7 @@ Meanings = Mapping[str, str]
 """What its owner says that headings mean."""
 NO_MEANINGS: Meanings = MappingProxyType({})
 
-MOST_CELLS = 6_000_000
+MOST_CELLS = 4_000_000
 """No survey has more; they would take gigabytes of memory."""
 
 
