@@ -415,3 +415,15 @@ def test_a_map_of_a_table_needs_an_outline(cli: Cli, readings: Path, tmp_path: P
     outcome = cli("map", readings, "--out", tmp_path / "maps")
     assert outcome.code == 2
     assert "--boundary" in outcome.err
+
+
+def test_a_value_that_looks_mistyped_is_taken_and_doubted(cli: Cli, survey: Path) -> None:
+    place = ("--at", "30,20", "--depths", "10,20", "--json")
+    told = cli("add", survey, "--kpa", "640,11500", *place).json
+    (finding,) = told["findings"]
+    assert finding["severity"] == "doubt"
+    assert "11500 kPa at 0.2 m" in finding["seen"]
+    assert "subsoil amend" in told["notes"][0]
+    assert cli("add", survey, "--kpa", "640,1150", *place).json["findings"] == []
+    megapascals = cli("add", survey, "--kpa", "0.64,1.15", *place).json
+    assert "check the unit" in megapascals["notes"][0]

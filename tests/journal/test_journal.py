@@ -18,7 +18,7 @@ import pyogrio
 import pytest
 
 from subsoil.errors import CorruptJournalError, JournalError, SurveyBusyError
-from subsoil.journal import create, open_journal, read_events, verify
+from subsoil.journal import Journal, create, open_journal, read_events, verify
 from subsoil.simulation import Truth
 from subsoil.survey import LocalDispatch, Survey, fold
 from subsoil.survey.events import Configured, Finished, Opened, Planned
@@ -101,6 +101,27 @@ def test_an_event_that_comes_twice_is_kept_once(tmp_path: Path, plot_opened: Ope
         journal.append(event, survey)
         journal.append(event, survey)
         assert len(journal.events()) == 2
+
+
+def _append_and_fail(journal: Journal, survey: Survey) -> None:
+    journal.append(Finished(id="c", reason="enough"), survey)
+    raise CorruptJournalError("half way")
+
+
+def test_events_appended_together_are_all_there_or_none(
+    tmp_path: Path, plot_opened: Opened
+) -> None:
+    path = tmp_path / "together.gpkg"
+    with create(path, plot_opened) as journal:
+        survey = fold(journal.events())
+        with journal.together():
+            journal.append(Finished(id="a", reason="enough"), survey)
+            journal.append(Finished(id="b", reason="enough"), survey)
+            assert [event.id for event in read_events(path)[1:]] == []
+        with pytest.raises(CorruptJournalError), journal.together():
+            _append_and_fail(journal, survey)
+        journal.append(Finished(id="d", reason="enough"), survey)
+    assert [event.id for event in read_events(path)[1:]] == ["a", "b", "d"]
 
 
 def test_a_second_writer_is_refused_with_the_name_of_the_first(

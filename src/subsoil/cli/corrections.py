@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from subsoil.cli.at_work import correcting
-from subsoil.cli.hand import At, tell_reading
+from subsoil.cli.hand import at_option, tell_reading
 from subsoil.cli.options import Allow, MethodOptions, SurveyFile
 from subsoil.cli.output import AsJson, Shown, tell
 from subsoil.cli.parsing import FIELD, grouped
@@ -35,7 +35,7 @@ def amend(
     reason: Annotated[
         str, typer.Option(metavar="WORDS", help="Why it was wrong.", rich_help_panel=FIELD)
     ],
-    at: At = None,
+    at: Annotated[str | None, at_option("where it was recorded")] = None,
     allow: Allow = None,
     units: Shown = "metric",
     as_json: AsJson = False,

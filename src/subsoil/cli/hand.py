@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot, sqrt
+from math import hypot, isnan, sqrt
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from subsoil.agent import Assignment, Done, Wait
 from subsoil.cli.at_work import HAND, AgentName, at_work, lease_of
+from subsoil.cli.found import said
 from subsoil.cli.limits import LimitOptions
 from subsoil.cli.options import Allow, MethodOptions, SurveyFile
 from subsoil.cli.output import AsJson, Shown, say, tell, working
@@ -18,8 +19,9 @@ from subsoil.cli.pace import PaceOptions
 from subsoil.cli.parsing import FIELD, WAY, grouped
 from subsoil.cli.places import bearing, check_on_field, in_words, place_of, way_in_words
 from subsoil.cli.stops import Write, ahead_of, row_of, stop_of, written
-from subsoil.cli.typed import TypedOptions, depth_m
+from subsoil.cli.typed import TypedOptions, depth_m, typing_doubts
 from subsoil.io.write.stops import check_stops_file
+from subsoil.penetrometer import profile_of
 from subsoil.report.wording import in_units
 from subsoil.reports import Place, Sampled
 from subsoil.survey import LocalDispatch, Survey, sample_of
@@ -29,16 +31,16 @@ from subsoil.survey.outlook import in_words as outlook_in_words
 from subsoil.survey.outlook import outlook
 from subsoil.units import SYSTEMS, System
 
-At = Annotated[
-    str | None,
-    typer.Option(
+
+def at_option(default: str) -> Any:
+    """Option of where a reading was taken."""
+    return typer.Option(
         "--at",
         metavar="LAT,LON",
         help="Where it was; easting,northing in a local frame.",
-        show_default="the planned stop",
+        show_default=default,
         rich_help_panel=FIELD,
-    ),
-]
+    )
 
 
 @grouped
@@ -126,7 +128,7 @@ def _why(survey: Survey, cell: int, units: System) -> str:
 def add(
     survey: SurveyFile,
     typed: TypedOptions,
-    at: At = None,
+    at: Annotated[str | None, at_option("the planned stop")] = None,
     agent: AgentName = HAND,
     allow: Allow = None,
     units: Shown = "metric",
@@ -156,17 +158,19 @@ def tell_reading(survey: Survey, report: Sampled, units: System, as_json: bool) 
     sample = sample_of(survey, report)
     layers = SYSTEMS[units].layers(survey.layers)
     kpa = dict(zip(layers, sample.kpa.tolist(), strict=True))
-    result: dict[str, object] = {
-        "report": report.id,
-        "agent": report.agent,
-        **row_of(survey.field, None, report.at),
-    }
+    result: dict[str, object] = {"report": report.id, "agent": report.agent}
     if as_json:
-        result["kpa"] = sample.kpa.tolist()
+        result |= {**row_of(survey.field, None, report.at), "kpa": sample.kpa.tolist()}
     else:
         unit = SYSTEMS[units].pressure
-        result["layers"] = tuple(f"{name}: {unit.text(value)}" for name, value in kpa.items())
-    result |= {"flags": report.reading.flags, **_after(survey, units, as_json)}
+        result["place"] = in_words(report.at, survey.field)
+        result["layers"] = tuple(
+            f"{name}: {'not read' if isnan(value) else unit.text(value)}"
+            for name, value in kpa.items()
+        )
+    doubts = typing_doubts(profile_of(report.reading, survey.cone))
+    result |= {"flags": report.reading.flags, **said(doubts, as_json=as_json)}
+    result |= {**_after(survey, units, as_json)}
     tell(result, as_json, SYSTEMS[units])
 
 
@@ -228,5 +232,8 @@ def _tell_refused(
 ) -> None:
     """Print which stop is left out, and how the survey stands."""
     survey = dispatch.survey
-    result = {"left out": reason, **stop_of(survey, cell), **_after(survey, units, as_json)}
+    east, north = survey.access.at[cell].tolist()
+    place = {"place": in_words((east, north), survey.field)}
+    where = stop_of(survey, cell) if as_json else place
+    result = {"left_out": reason, **where, **_after(survey, units, as_json)}
     tell(result, as_json, SYSTEMS[units])

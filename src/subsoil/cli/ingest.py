@@ -18,6 +18,7 @@ from subsoil.cli.parsing import OUTPUT, grouped
 from subsoil.errors import ParameterError, ReportError
 from subsoil.findings import Finding, left_out
 from subsoil.journal import is_foreign, read_survey
+from subsoil.kriging.memory import check_memory
 from subsoil.land.field import Field
 from subsoil.readings import Readings
 from subsoil.report.wording import in_units
@@ -98,6 +99,7 @@ def ingest(
     content = read_survey(survey)
     state = fold(content.events)
     readings = [_read(path, given, state.field) for path in files]
+    check_memory(len(state.readings) + sum(map(len, readings)))
     taking = Taking()
     if preview:
         dispatch = LocalDispatch(state, Memory())

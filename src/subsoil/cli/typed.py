@@ -10,15 +10,20 @@ import numpy as np
 import typer
 
 from subsoil.arrays import Floats
-from subsoil.cli.field import OptionalConeArea, ReadingUnit
-from subsoil.cli.parsing import FIELD
+from subsoil.cli.field import OptionalConeArea
+from subsoil.cli.parsing import FIELD, one_of
 from subsoil.errors import ParameterError, ReadingsError, brief
+from subsoil.findings import Finding
 from subsoil.io.read.missing import is_missing
+from subsoil.io.read.plausible import strength_doubts
 from subsoil.io.read.recording import KPA, METRES, NEWTONS, UNITS, kpa_per_unit
-from subsoil.penetrometer import Cone, faults
+from subsoil.penetrometer import Cone, Profile, faults
 from subsoil.reports import Reading, Tip
 
 _BETWEEN = re.compile(r"\s*[,;]\s*|\s+")
+_FAR_BEYOND = 4.0
+HARD_KPA = 5000.0
+"""Pressure from which on one value that stands out is doubted: few soils are as hard."""
 _DEPTH = re.compile(r"(\d+(?:\.\d*)?|\.\d+)\s*([a-z]*)", re.IGNORECASE)
 
 
@@ -60,7 +65,15 @@ class TypedOptions:
             rich_help_panel=FIELD,
         ),
     ] = None
-    unit: ReadingUnit = None
+    unit: Annotated[
+        str | None,
+        typer.Option(
+            metavar="UNIT",
+            help=f"Unit of the --values: {', '.join(UNITS)}.",
+            autocompletion=one_of(UNITS),
+            rich_help_panel=FIELD,
+        ),
+    ] = None
     cone_area: OptionalConeArea = None
     note: Annotated[
         str | None,
@@ -151,6 +164,25 @@ class TypedOptions:
             remedy = "give --depths 10,20,30, in cm or with units"
             raise ParameterError("there are none", where="--depths", remedy=remedy)
         return np.array([depth_m(part, "--depths") for part in _parts(self.depths)])
+
+
+def typing_doubts(push: Profile) -> tuple[Finding, ...]:
+    """What of a reading looks mistyped: its unit, or one value far beyond all others.
+
+    Examples
+    --------
+    >>> from subsoil.penetrometer import profile
+    >>> slip = profile([0.1, 0.2, 0.3], [640.0, 17200.0, 2110.0])
+    >>> print(*typing_doubts(slip))
+    17200 kPa at 0.2 m is over 4 times any other depth's; correct it with subsoil amend
+    """
+    found = list(strength_doubts([push], ""))
+    for k, (deep, kpa) in enumerate(zip(push.depth_m, push.kpa, strict=True)):
+        others = np.delete(push.kpa, k)
+        if others.size and kpa > max(_FAR_BEYOND * others.max(), HARD_KPA):
+            seen = f"{kpa:.0f} kPa at {deep:g} m is over {_FAR_BEYOND:g} times any other depth's"
+            found.append(Finding(seen, "correct it with subsoil amend", "doubt"))
+    return tuple(found)
 
 
 def depth_m(text: str, where: str) -> float:

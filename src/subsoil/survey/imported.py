@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterator
-from datetime import datetime
+from datetime import UTC, datetime
 from math import hypot
 from pathlib import Path
 from uuid import UUID, uuid5
@@ -48,7 +48,7 @@ def imported(readings: Readings, agent: str, start: Place, pace: Pace) -> Iterat
         metres = hypot(at[0] - here[0], at[1] - here[1])
         yield Sampled(
             id=ids[k],
-            time=time if time is None or time.tzinfo else time.astimezone(),
+            time=None if time is None else time.astimezone(UTC),
             clock="unknown" if time is None else "file",
             agent=agent,
             source=Source(kind="file", file=file, row=int(readings.rows[k])),
