@@ -143,10 +143,8 @@ def test_any_usual_heading_of_a_depth_is_understood(
 ) -> None:
     field = FIELDS["Netherlands"]
     pushes = pushes_at(field, STEPS["an inch"].tolist())
-    pushes = replace(pushes, depth_m=(np.round(pushes.depth_m / 0.0001) * 0.0001).round(6))
     if length == "ft":
-    depths = (np.round(pushes.depth_m * 10_000) / 10_000).round(6)
-    pushes = replace(pushes, depth_m=np.array(depths, dtype=np.float64))
+        pushes = replace(pushes, depth_m=np.array([0.03048 * k for k in range(1, 17)]))
     style = Style(length=length, heading=HEADINGS[heading])
     path = write(tmp_path / "a.csv", text_of(wide(pushes, style, field), ","), "utf-8")
     check(read_readings(path, field=field), pushes, field)
