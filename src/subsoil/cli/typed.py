@@ -15,7 +15,7 @@ from subsoil.cli.parsing import FIELD, one_of
 from subsoil.errors import ParameterError, ReadingsError, brief
 from subsoil.findings import Finding
 from subsoil.io.read.missing import is_missing
-from subsoil.io.read.plausible import strength_doubts
+from subsoil.io.read.plausible import Flat, strength
 from subsoil.io.read.recording import KPA, METRES, NEWTONS, UNITS, kpa_per_unit
 from subsoil.penetrometer import Cone, Profile, faults
 from subsoil.reports import Reading, Tip
@@ -176,7 +176,7 @@ def typing_doubts(push: Profile) -> tuple[Finding, ...]:
     >>> print(*typing_doubts(slip))
     17200 kPa at 0.2 m is over 4 times any other depth's; correct it with subsoil amend
     """
-    found = list(strength_doubts([push], ""))
+    found = list(strength(Flat.of([push]), ""))
     for k, (deep, kpa) in enumerate(zip(push.depth_m, push.kpa, strict=True)):
         others = np.delete(push.kpa, k)
         if others.size and kpa > max(_FAR_BEYOND * others.max(), HARD_KPA):
