@@ -129,7 +129,7 @@ def test_a_covariate_that_cannot_be_used_is_one_line_and_leaves_nothing_behind(
     result = cli("init", path, "--boundary", outline, "--covariate", ec)
     assert result.code == 2
     assert result.err.count("\n") == 1
-    assert "ec.csv: nothing is known of" in result.err
+    assert "ec.csv: nothing is known within 25 m of" in result.err
     assert not path.exists()
 
 
