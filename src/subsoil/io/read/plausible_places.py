@@ -16,12 +16,14 @@ _FEWEST = 5
 """Pushes below which nothing is typical."""
 _FAR_M, _FAR_TIMES = 1_000.0, 4.0
 _VERY_FAR_M, _VERY_FAR_TIMES = 10_000.0, 20.0
+_OFF_M, _OFF_TIMES = 300.0, 2.0
 _ASTRAY = 0.2
 """Share of pushes that may be astray; of more, nobody knows which."""
 _SIZE = 4.0
 """A field is about this many times as long as the typical way to its middle."""
 _RUN = 4
 """Pushes in a row at one position that no receiver gives by chance."""
+_HALF_A_WORLD_M = 5e6
 _METRES_A_DEGREE = 111_320.0
 _COARSE_M = 5.0
 _GRID_M = 10.0
@@ -30,11 +32,12 @@ _NATIONAL_M = 10_000.0
 
 
 def stray(at: Floats, rows: Integers, file: str) -> tuple[Finding, ...]:
-    """Positions, (n, 2) m, far from all others, which are to be left out.
+    """Positions, (n, 2) m, far from all others; those that are astray for sure are left out.
 
     A push is astray if nothing lies within 1 km of it nor within four lengths of the survey, or if
     it belongs to a few beyond ten times as much. The length is four times the median distance from
-    the median place, so fields side by side, strips and transects have none.
+    the median place, so fields side by side, strips and transects have none. A push alone within
+    that, but beyond 300 m and two lengths, is a doubt.
     """
     if len(at) < _FEWEST:
         return ()
@@ -44,19 +47,22 @@ def stray(at: Floats, rows: Integers, file: str) -> tuple[Finding, ...]:
     length = _SIZE * float(np.median(away))
     astray = _alone(at, away, max(_FAR_M, _FAR_TIMES * length))
     astray |= _apart(at, away, max(_VERY_FAR_M, _VERY_FAR_TIMES * length))
-    if not astray.any() or astray.mean() > _ASTRAY:
+    doubtful = _alone(at, away, max(_OFF_M, _OFF_TIMES * length))
+    if not (astray | doubtful).any() or (astray | doubtful).mean() > _ASTRAY:
         return ()
-    gap = _gap(at, away, astray)
+    gap = _gap(at, away, astray | doubtful)
     return tuple(
-        Finding(
-            f"its position is {_far(gap[k])} from all others",
-            "left out; correct it, or give the outline of the field",
-            "left out",
-            file,
-            int(rows[k]),
-        )
-        for k in np.flatnonzero(astray)
+        _far_off(gap[k], bool(astray[k]), file, int(rows[k]))
+        for k in np.flatnonzero(astray | doubtful)
     )
+
+
+def _far_off(metres: float, astray: bool, file: str, row: int) -> Finding:
+    seen = f"its position is {_far(metres)} from all others"
+    if astray:
+        done = "left out; correct it, or give the outline of the field"
+        return Finding(seen, done, "left out", file, row)
+    return Finding(seen, "kept; correct it if it was taken elsewhere", "doubt", file, row)
 
 
 def _alone(at: Floats, away: Floats, least_m: float) -> Bools:
@@ -91,7 +97,7 @@ def _gap(at: Floats, away: Floats, astray: Bools) -> Floats:
 
 
 def _far(metres: float) -> str:
-    if not np.isfinite(metres):
+    if not metres < _HALF_A_WORLD_M:
         return "half a world"
     return f"{metres / 1000:.0f} km" if metres >= 10_000 else f"{metres / 1000:.1f} km"
 
