@@ -142,6 +142,15 @@ def gpx() -> str:
     )
 
 
+def conductivity() -> str:
+    rows = [
+        f"{SOUTH + 0.0002 * j:.5f},{WEST + 0.0003 * k:.5f},{20 + j + k / 2}"
+        for j in range(-1, 18)
+        for k in range(-1, 16)
+    ]
+    return "\n".join(["lat,lon,ec", *rows]) + "\n"
+
+
 def zipped(files: dict[str, bytes]) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -181,11 +190,8 @@ def geofiles(folder: Path) -> Iterator[Sound]:
         if suffix == ".gpkg":
             yield Sound(area.name, area.read_bytes(), "outline")
             yield Sound(spots.name, spots.read_bytes(), "readings")
-    for stem, kind in (("field", "outline"), ("points", "readings")):
-        parts = {
-            p.name: p.read_bytes() for p in sorted(folder.glob(f"{stem}.*")) if p.suffix != ".gpkg"
-        }
-        yield Sound(f"{stem}.zip", zipped(parts), kind)
+    parts = [part for part in sorted(folder.glob("field.*")) if part.suffix != ".gpkg"]
+    yield Sound("field.zip", zipped({p.name: p.read_bytes() for p in parts}), "outline")
 
 
 def raster(folder: Path) -> bytes:
@@ -209,17 +215,14 @@ def corpus(folder: Path) -> list[Sound]:
         "robot.yaml": (robot, "readings"),
         "sc900.txt": (sc900, "readings"),
         "penetrologger.txt": (penetrologger, "readings"),
-        "cone.gef": (gef, "readings"),
+        "cone.gef": (gef, "elsewhere"),
         "points.geojson": (points, "readings"),
         "field.geojson": (outline, "outline"),
         "field.kml": (kml, "outline"),
         "field.csv": (lambda: "lon,lat\n" + "".join(f"{x},{y}\n" for x, y in RING), "outline"),
         "field.coords": (lambda: "".join(f"{y}, {x}\n" for x, y in RING), "outline"),
         "positions.gpx": (gpx, "positions"),
-        "ec.csv": (
-            lambda: "lat,lon,ec\n" + "".join(f"{y},{x},{k[0] / 20}\n" for x, y, k in pushes()),
-            "covariate",
-        ),
+        "ec.csv": (conductivity, "covariate"),
     }
     found = [Sound(name, make().encode(), kind) for name, (make, kind) in texts.items()]
     found += geofiles(folder)

@@ -102,7 +102,8 @@ def read_readings(
     """
     path = Path(path)
     beside = read_positions(positions) if positions is not None else None
-    recording = located(_recording(path, reader, meanings, units or ""), beside, path.name)
+    recording = _recording(path, reader, meanings, units or "", placed=beside is not None)
+    recording = located(recording, beside, path.name)
     records, codes = without_codes(recording.records, path.name)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
     pushes, unfit = screened(records, factor, recording.frame, path.name)
@@ -130,11 +131,13 @@ def read_readings(
     )
 
 
-def _recording(path: Path, reader: str | Read, meanings: Meanings, unit: str) -> Recording:
+def _recording(
+    path: Path, reader: str | Read, meanings: Meanings, unit: str, *, placed: bool
+) -> Recording:
     check_file(path, ReadingsError)
     name, read = _chosen(path, reader)
     if name in SHEETS:
-        return read_sheets(SHEETS[name], path, meanings, unit=unit)
+        return read_sheets(SHEETS[name], path, meanings, unit=unit, placed=placed)
     if meanings:
         raise ReadingsError(
             "it is no table, and has no headings to map", where=path.name, remedy="leave --map out"
