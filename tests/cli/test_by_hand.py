@@ -427,3 +427,38 @@ def test_a_value_that_looks_mistyped_is_taken_and_doubted(cli: Cli, survey: Path
     assert cli("add", survey, "--kpa", "640,1150", *place).json["findings"] == []
     megapascals = cli("add", survey, "--kpa", "0.64,1.15", *place).json
     assert "check the unit" in megapascals["notes"][0]
+
+
+def test_where_every_stop_is_left_out_there_is_nothing_left_to_do(cli: Cli, tmp_path: Path) -> None:
+    outline = tmp_path / "small.csv"
+    outline.write_text("easting,northing\n0,0\n10,0\n10,10\n0,10\n")
+    path = tmp_path / "small.gpkg"
+    assert cli("init", path, "--boundary", outline, "--strategy", "greedy").code == 0
+    for _ in range(4):
+        assert cli("next", path, "--json").json["finished"] == "no"
+        assert cli("skip", path, "--reason", "wet").code == 0
+    assert cli("next", path).out.startswith("There is nothing left to do: ")
+    told = cli("next", path, "--write", tmp_path / "none.csv")
+    assert told.code == 0
+    assert not (tmp_path / "none.csv").exists()
+    assert cli("verify", path).code == 0
+
+
+def test_a_reading_within_the_fence_counts_where_it_is_and_is_flagged(
+    cli: Cli, survey: Path
+) -> None:
+    told = cli("add", survey, "--kpa", "700,900", "--depths", "10,20", "--at", "63,20", "--json")
+    assert told.json["flags"] == ["outside-the-field"]
+    assert state_of(survey).soil_map.at.tolist() == [[63.0, 20.0]]
+
+
+def test_the_next_stop_and_those_after_it_are_written_for_a_receiver(
+    cli: Cli, on_earth: Path, tmp_path: Path
+) -> None:
+    told = cli("next", on_earth, "--write", tmp_path / "way.csv", "--json").json
+    rows = (tmp_path / "way.csv").read_text().splitlines()
+    stop = told["stop"]
+    assert rows[1] == f"1,{stop['latitude']:.7f},{stop['longitude']:.7f}"
+    plan = cli("plan", on_earth, "--write", tmp_path / "plan.csv", "--json").json["plan"]
+    assert (tmp_path / "plan.csv").read_text().splitlines() == rows
+    assert len(rows) == 1 + len(plan) == 13

@@ -74,7 +74,7 @@ def next_stop(
     result: dict[str, object] = {"survey": survey, "agent": agent}
     if isinstance(answer, Assignment):
         result |= _way(state, answer, at or state.agent(agent).position)
-    if write is not None:
+    if write is not None and not isinstance(answer, Done):
         result["written"] = written(write, state, ahead_of(state, agent))
     result |= {"finished": state.finished or "no", **_standing(state)}
     if as_json:
@@ -100,6 +100,9 @@ def _say_next(
     """Say in sentences what to do."""
     enough = in_units(survey, outlook(survey), SYSTEMS[units])
     if isinstance(answer, Done):
+        if len(survey.visited) + len(survey.refused) >= len(survey.field.cells):
+            say(f"There is nothing left to do: {answer.reason}. {enough}")
+            return
         say(f"There is enough: {answer.reason}. {enough}")
         say(f"To go on all the same: subsoil next {path} --samples {survey.taken + 6}")
     elif isinstance(answer, Wait):
