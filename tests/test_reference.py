@@ -71,7 +71,7 @@ def test_the_page_of_a_verb_has_its_options_in_groups_and_its_examples(name: str
 
 
 def test_a_page_tells_defaults_and_what_is_required() -> None:
-    text = COMMANDS["page"]("map", VERBS["map"])
+    text = COMMANDS["page"]("init", VERBS["init"])
     assert re.search(r"option:: --cell M\n\n   .*\n\n   \*default\\: 5\.0\*", text)
     assert re.search(r"option:: --boundary FILE\n\n   .*\n\n   \*required\*", text)
     assert "option:: --drift <auto|always|never>" in text

@@ -36,8 +36,10 @@ def at_work(
     method: MethodOptions,
     limits: LimitOptions | None = None,
     pace: PaceOptions | None = None,
+    *,
+    decide: bool = True,
 ) -> Iterator[LocalDispatch]:
-    """Dispatch of a survey that a person has joined; what is due is decided at the end.
+    """Dispatch of a survey that a person has joined; what is due is decided at the end, if asked.
 
     Nothing is written if the survey is simulated, or its settings cannot be gone by.
     """
@@ -51,8 +53,9 @@ def at_work(
             if decided_anew(survey, settings):
                 dispatch.record(Configured(settings=settings))
             yield dispatch
-        with working("planning"):
-            settle(dispatch, method.allowed)
+        if decide:
+            with working("planning"):
+                settle(dispatch, method.allowed)
 
 
 @contextmanager

@@ -65,7 +65,8 @@ def next_stop(
     as_json: AsJson = False,
 ) -> None:
     """Say where to push next, how to get there and why, or that there is enough."""
-    with at_work(survey, agent, method, limits, pace) as dispatch, working("planning"):
+    at_the_stop = at_work(survey, agent, method, limits, pace, decide=False)
+    with at_the_stop as dispatch, working("planning"):
         at = place_of(here, dispatch.survey.field, "--from") if here else None
         if write is not None:
             check_stops_file(write, dispatch.survey.field)
