@@ -54,7 +54,6 @@ READ: dict[str, tuple[Sequence[Sequence[float]], Sequence[tuple[int, str]]]] = {
     "depths_not_in_order.csv": ([[500, 900, 1500]], []),
     "duplicate_place_other_values.csv": ([[500, 900, 1500], [800, 1200, 1900]], []),
     "duplicates.csv": ([*PLAIN, *PLAIN], []),
-    "easting_in_km.csv": ([[500], [600]], []),
     "first_blank.csv": ([[900, 1500]], [(2, MISSED)]),
     "footer_row.csv": (PLAIN, [(4, "'mean' is a summary")]),
     "footer_total_numeric.csv": (PLAIN, [(4, "mean or the sum of all rows above")]),
@@ -94,6 +93,7 @@ READ: dict[str, tuple[Sequence[Sequence[float]], Sequence[tuple[int, str]]]] = {
 }
 
 REFUSED = {
+    "easting_in_km.csv": "all readings lie within 0.1 m: these look like kilometres",
     "1e5_kPa.csv": "row 2: 100000 kPa at 0.05 m is no soil strength",
     "NUL_bytes_in_a_cell.csv": f"row 2, column kpa_5cm: .* {WORDS}",
     "altitude_column_10_(bare_number_heading).csv": f"column 10 {DEPTH_LIKE}.*--map '10=",
@@ -130,7 +130,6 @@ REFUSED = {
 DOUBTS = {
     "MPa_column_holds_kPa_values.csv": "harder than almost any soil",
     "degrees_as_easting_northing_wide.csv": "all readings lie within 0.13 m",
-    "easting_in_km.csv": "all readings lie within 0.1 m; .*km",
     "kPa_column_holds_MPa_values.csv": "a small part of any soil's strength",
     "duplicates.csv": "it repeats row 2: same place, same values",
     "latin-1_degree.csv": "read as Windows-1252",

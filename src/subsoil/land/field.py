@@ -91,10 +91,6 @@ class Field:
     findings: tuple[Finding, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.cell_size) and self.cell_size > 0):
-            raise ParameterError(
-                f"cells need a side in metres, not {self.cell_size:g}", where="cell size"
-            )
         if self.crs:
             check_metric(self.crs, self.name)
         check_outline(self.boundary, self.name)

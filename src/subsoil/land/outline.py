@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from shapely.geometry import LinearRing, LineString, MultiPolygon, Polygon
 from shapely.validation import explain_validity
 
-from subsoil.errors import BoundaryError
+from subsoil.errors import BoundaryError, ParameterError
 from subsoil.land.swaps import looks_swapped
 
 Area = Polygon | MultiPolygon
@@ -109,9 +109,13 @@ def check_extent(bounds: tuple[float, float, float, float], cell_size: float, wh
 
     Raises
     ------
+    ParameterError
+        If cells have no side.
     BoundaryError
         If it looks like degrees or kilometres, or needs more cells than a map can hold.
     """
+    if not (np.isfinite(cell_size) and cell_size > 0):
+        raise ParameterError(f"cells need a side in metres, not {cell_size:g}", where="cell size")
     west, south, east, north = bounds
     span = max(east - west, north - south)
     if span < 1.0 and max(abs(west), abs(east)) <= 180 and max(abs(south), abs(north)) <= 90:

@@ -18,6 +18,8 @@ from subsoil.land.field import Field
 FENCE_M = 5.0
 """Distance in m from the field up to which a reading is its own: a hand-held receiver's error."""
 _TOUCH_M = 0.005
+_MOST, _SOME = 0.5, 0.1
+"""Share of readings, and of a covariate's points that reach beyond the field, that tell a cause."""
 _FEET = 0.3048
 _MERCATOR = "EPSG:3857"
 
@@ -53,9 +55,10 @@ def elsewhere(
     away = field.metres_away(at)
     outside = away[away > 0]
     far = _far(float(np.median(outside)))
+    needed = _MOST if things == "readings" else _SOME
     what = f"{len(outside)} of {len(at)} {things} lie outside {field.name}, typically {far} away"
     for other, frame, why, remedy in _explanations(places, field, crs):
-        if _mostly_inside(other, field, frame):
+        if _inside_share(other, field, frame) >= needed:
             return ReadingsError(f"{what}; {why}", where=places.file, remedy=remedy)
     remedy = "check that file and field belong together"
     return ReadingsError(
@@ -68,13 +71,13 @@ def elsewhere(
 Explanation = tuple[Places, str | None, str, str]
 
 
-def _mostly_inside(places: Places, field: Field, crs: str | None) -> bool:
-    """Whether half of the places lie in the field, or as many as a larger file has there."""
+def _inside_share(places: Places, field: Field, crs: str | None) -> float:
+    """Share of the places that lie in the field."""
     try:
         at, _ = places.metres(field, crs)
     except (BoundaryError, ReadingsError):
-        return False
-    return bool(10 * field.contains(at).sum() > len(at))
+        return 0.0
+    return float(field.contains(at).mean())
 
 
 def _explanations(places: Places, field: Field, crs: str | None) -> Iterator[Explanation]:
