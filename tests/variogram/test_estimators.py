@@ -214,7 +214,7 @@ def test_a_setting_outside_its_bounds_is_refused_before_the_survey_starts() -> N
     for setting in (
         {"bin_width": 0.0},
         {"cutoff": nan},
-        {"estimator": "madogram"},
+        {"formula": "madogram"},
         {"weights": "equal"},
         {"range_bounds": (50.0, 10.0)},
         {"starts": 0},
