@@ -228,7 +228,7 @@ def readings(field: Field | None = None, samples: int = 5) -> Readings:
 
 
 def test_readings_of_another_frame_are_refused_with_both_named() -> None:
-    corners = np.array([(0, 0), (40, 0), (40, 30), (0, 30)]) + (681_000.0, 5_900_000.0)
+    corners = np.array([(0, 0), (40, 0), (40, 30), (0, 30)]) + np.array([681_000, 5_900_000])
     field = Field.from_metres(corners, crs="EPSG:32630")
     fits = fit(readings(), Layers((0.0, 0.2)), "spherical")
     with pytest.raises(ReadingsError) as raised:
