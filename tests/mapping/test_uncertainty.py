@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import isnan, sqrt
+from functools import cache
+from math import isnan, nan, sqrt
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from subsoil.mapping.uncertainty import (
     subsample,
 )
 from subsoil.variogram import Exponential, Spherical
+from subsoil.variogram.layer_correlation import layer_correlation
 
 FIELD = Field.from_metres([(0, 0), (60, 0), (60, 45), (0, 45)])
 CELLS = FIELD.cells
@@ -38,27 +40,39 @@ def sampled(
     at: Floats, kpa: Floats, variograms: tuple[Exponential, ...], subset: tuple[int, ...] = ()
 ) -> SoilMap:
     layers = Layers(tuple(np.linspace(0.0, 0.4, len(kpa) + 1)))
-    state = np.zeros(len(kpa), dtype=np.int8)
-    samples = tuple(Sample((e, n), z, state) for (e, n), z in zip(at.tolist(), kpa.T, strict=True))
+    state = np.where(np.isnan(kpa), 2, 0).astype(np.int8)
+    samples = tuple(
+        Sample((e, n), z, reached)
+        for (e, n), z, reached in zip(at.tolist(), kpa.T, state.T, strict=True)
+    )
     return SoilMap(FIELD, layers, variograms, samples, subset=subset)
 
 
-def surveys(samples: int, layers: int, alike: float, seed: int) -> list[tuple[MeanSquare, float]]:
-    """What is said of the error and the error, over fields whose sills are told by the samples."""
-    rng = np.random.default_rng(seed)
+@cache
+def surveys(
+    reach: tuple[int, ...], alike: float, seed: int, sds: tuple[float, ...] = (100.0,)
+) -> list[tuple[MeanSquare, float]]:
+    """What is said of the error and the error, over fields whose sills are told by the samples.
+
+    Each layer was reached by the first few samples, and the soil has an SD of its own in each.
+    """
+    rng, layers, samples = np.random.default_rng(seed), len(reach), max(reach)
     smooth = Exponential(0.0, RANGE, 1.0).correlation(cdist(CELLS, CELLS) / RANGE)
     root = np.linalg.cholesky(smooth + 1e-9 * np.eye(len(CELLS)))
     between = np.linalg.cholesky(np.full((layers, layers), alike) + (1 - alike) * np.eye(layers))
+    sd = np.resize(sds, layers)[:, None]
     result = []
     for _ in range(REPEATS):
         soil = between @ rng.standard_normal((layers, len(CELLS))) @ root.T
-        soil = 1000.0 + 100.0 * sqrt(1 - NUGGET) * soil
+        soil = 1000.0 + sd * sqrt(1 - NUGGET) * soil
         probed = rng.choice(len(CELLS), samples, replace=False)
-        noise = 100.0 * sqrt(NUGGET) * (between @ rng.standard_normal((layers, samples)))
+        noise = sd * sqrt(NUGGET) * (between @ rng.standard_normal((layers, samples)))
         kpa = soil[:, probed] + noise
         shape = (1 - NUGGET) * smooth[np.ix_(probed, probed)] + NUGGET * np.eye(samples)
-        sills = sill_of(shape, kpa)
-        models = tuple(Exponential(NUGGET * s, RANGE, (1 - NUGGET) * s) for s in sills.tolist())
+        sills = [sill_of(shape[:n, :n], kpa[k : k + 1, :n])[0] for k, n in enumerate(reach)]
+        models = tuple(Exponential(NUGGET * s, RANGE, (1 - NUGGET) * s) for s in sills)
+        for layer, n in zip(kpa, reach, strict=True):
+            layer[n:] = np.nan
         soil_map = sampled(CELLS[probed], kpa, models)
         result.append((mean_square_error(soil_map), rmse(soil_map.mean, soil)))
     return result
@@ -78,7 +92,7 @@ def sill_of(shape: Floats, kpa: Floats) -> Floats:
 def test_the_error_is_below_what_is_said_of_it_as_often_as_is_said(
     samples: int, layers: int, alike: float
 ) -> None:
-    outcomes = surveys(samples, layers, alike, seed=samples + layers)
+    outcomes = surveys((samples,) * layers, alike, seed=samples + layers)
     for probability in (0.5, 0.8, 0.9):
         below = sum(error <= said.rmse(probability) for said, error in outcomes)
         spread = sqrt(REPEATS * probability * (1 - probability))
@@ -86,8 +100,72 @@ def test_the_error_is_below_what_is_said_of_it_as_often_as_is_said(
         assert abs(below - REPEATS * probability) <= 4 * spread + 0.03 * REPEATS
 
 
+@pytest.mark.parametrize(
+    ("reach", "alike", "sds"),
+    [
+        ((24, 6), 0.0, (30.0, 100.0)),
+        pytest.param((24, 24, 12, 6), 0.5, (100.0,), marks=pytest.mark.slow),
+    ],
+)
+def test_layers_that_fewer_samples_reached_make_it_less_sure_of_its_error(
+    reach: tuple[int, ...], alike: float, sds: tuple[float, ...]
+) -> None:
+    outcomes = surveys(reach, alike, seed=1, sds=sds)
+    for probability in (0.5, 0.8, 0.9):
+        below = sum(error <= said.rmse(probability) for said, error in outcomes)
+        spread = sqrt(REPEATS * probability * (1 - probability))
+        # As above.
+        assert abs(below - REPEATS * probability) <= 4 * spread + 0.03 * REPEATS
+
+
+def test_each_layers_sill_rests_on_the_contrasts_of_the_samples_that_reached_it() -> None:
+    rng = np.random.default_rng(6)
+    at = CELLS[rng.choice(len(CELLS), 20, replace=False)]
+    kpa = 900 + 30 * rng.standard_normal((3, 20))
+    kpa[1, 7:] = kpa[2, 1:] = np.nan
+    models = tuple(Exponential(100.0 * k, RANGE, 900.0 * k) for k in (1, 2, 3))
+    soil_map = sampled(at, kpa, models)
+    # A sum of independent scaled chi-squares has the degrees of freedom that give its variance:
+    # a_k = kv of layer k, of n_k - 1 contrasts; the least that a single sample is taken for is one.
+    kv, contrasts = soil_map.variance.mean(axis=1), np.array([19, 6, 1])
+    likeness = layer_correlation(kpa) ** 2
+    variance = sum(
+        kv[j] * kv[k] * likeness[j, k] / sqrt(contrasts[j] * contrasts[k])
+        for j in range(3)
+        for k in range(3)
+    )
+    assert mean_square_error(soil_map).sills == pytest.approx(kv.sum() ** 2 / variance)
+
+
+def test_errors_of_one_layer_have_the_freedom_of_its_error_covariance_over_all_cells() -> None:
+    rng = np.random.default_rng(7)
+    at = CELLS[rng.choice(len(CELLS), 15, replace=False)]
+    model = Exponential(225.0, 2 * RANGE, 900.0)
+    assert len(CELLS) <= 300
+    soil_map = sampled(at, 900 + 30 * rng.standard_normal((1, 15)), (model,))
+
+    def covariance(a: Floats, b: Floats) -> Floats:
+        return np.asarray(900.0 * np.exp(-3 * cdist(a, b) / (2 * RANGE)))
+
+    system = np.ones((16, 16))
+    system[:15, :15], system[15, 15] = covariance(at, at) + 225.0 * np.eye(15), 0.0
+    right = np.vstack([covariance(at, CELLS), np.ones(len(CELLS))])
+    p = covariance(CELLS, CELLS) - right.T @ np.linalg.solve(system, right)
+    error = mean_square_error(soil_map)
+    assert error.kv == pytest.approx(np.trace(p) / len(CELLS))
+    assert error.errors == pytest.approx(np.trace(p) ** 2 / (p * p).sum())
+
+
+def test_the_mean_square_error_of_maps_is_their_mean_kriging_variance_on_average() -> None:
+    outcomes = surveys((24,), 0.0, seed=25)
+    # Error and sill are independent: with 23 contrasts the mean of true over estimated sill is
+    # 23 / 21. Five standard errors.
+    share = np.array([error**2 / said.kv for said, error in outcomes])
+    assert abs(share.mean() - 23 / 21) <= 5 * share.std(ddof=1) / sqrt(REPEATS)
+
+
 def test_a_chi_square_that_takes_the_sill_for_known_would_be_too_sure() -> None:
-    outcomes = surveys(12, 1, 0.0, seed=5)
+    outcomes = surveys((12,), 0.0, seed=5)
     known = [MeanSquare(said.kv, said.errors, 1e9) for said, _ in outcomes]
     below = sum(e <= k.rmse(0.9) for k, (_, e) in zip(known, outcomes, strict=True))
     assert below < 0.8 * REPEATS
@@ -169,6 +247,29 @@ def test_probabilities_of_a_threshold_are_gaussian(
 def test_a_cell_above_in_one_layer_is_decided_and_one_unsure_layer_leaves_it_open() -> None:
     above = np.array([[0.99, 0.10, 0.10, np.nan], [0.50, 0.50, 0.05, 0.95]])
     assert decided(above, 0.9).tolist() == [True, False, True, True]
+
+
+@given(
+    st.lists(
+        st.lists(st.floats(0, 1) | st.just(nan), min_size=3, max_size=3), min_size=1, max_size=4
+    ),
+    st.floats(0.5, 1.0),
+)
+def test_a_cell_is_decided_by_the_greatest_of_its_layers_and_by_none_where_none_tells(
+    rows: list[list[float]], confidence: float
+) -> None:
+    expected = []
+    for cell in zip(*rows, strict=True):
+        known = [p for p in cell if not isnan(p)]
+        expected.append(bool(known) and (max(known) >= confidence or 1 - max(known) >= confidence))
+    assert decided(np.array(rows), confidence).tolist() == expected
+
+
+def test_what_is_certain_is_above_a_threshold_or_not_and_what_is_unknown_stays_so() -> None:
+    mean, deviation = [1999.0, 2000.0, 2001.0, nan, 2100.0], [0.0, 0.0, 0.0, 1.0, nan]
+    found = probability_above(mean, deviation, 2000.0)
+    assert found[:3].tolist() == [0.0, 0.0, 1.0]
+    assert np.isnan(found[3:]).all()
 
 
 @given(st.integers(1, 5000))

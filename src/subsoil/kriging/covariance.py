@@ -91,7 +91,7 @@ class Covariance:
         (v,) = self.variograms
         if isinstance(v, Bounded):
             return Shape(v.range, v.psill, v.correlation, v.breaks)
-        if isinstance(v, Nested):
+        if isinstance(v, Nested) and v.structures:
             shortest = min(structure.range for structure in v.structures)
             return Shape(shortest, v.sill, lambda lag: v.correlation(shortest * lag), ())
         height = float(v.rise(np.array(extent))) or 1.0

@@ -12,7 +12,6 @@ from subsoil.errors import ParameterError, ReadingsError
 
 _MUCH_NOISIER = 100.0
 """How many times another reading's noise the first reading's may be."""
-_ONE = np.ones(1)
 
 
 @dataclass(frozen=True)
@@ -27,14 +26,14 @@ class Readings:
         (m, n) values, repeats averaged.
     noise
         (g, n) variance of each value around what is predicted; g is 1 or m.
-    count
-        (n,) readings behind each value.
+    certain
+        (g, n) readings without noise behind each value: where there are some, no other counts.
     """
 
     at: Floats
     z: Floats
     noise: Floats
-    count: Floats
+    certain: Floats
 
     def __len__(self) -> int:
         return len(self.at)
@@ -46,12 +45,13 @@ class Readings:
             return self.appended(at, z, noise)
         index = int(here[0])
         pair = np.stack([self.noise[:, index], noise], axis=1)
-        weight, merged = _merged(pair, np.array([self.count[index], 1.0]))
-        values, noises, count = self.z.copy(), self.noise.copy(), self.count.copy()
+        sure = np.stack([self.certain[:, index], noise == 0.0], axis=1)
+        weight, merged = _merged(pair, sure)
+        values, noises, certain = self.z.copy(), self.noise.copy(), self.certain.copy()
         values[:, index] = (weight * np.stack([values[:, index], z], axis=1)).sum(axis=1)
         noises[:, index] = merged
-        count[index] += 1
-        return Readings(self.at, values, noises, count)
+        certain[:, index] = sure.sum(axis=1)
+        return Readings(self.at, values, noises, certain)
 
     def appended(self, at: Floats, z: Floats, noise: Floats) -> Readings:
         """Readings with one more, at a place that has none."""
@@ -59,7 +59,7 @@ class Readings:
             np.concatenate([self.at, at[None]]),
             np.concatenate([self.z, z[:, None]], axis=1),
             np.concatenate([self.noise, noise[:, None]], axis=1),
-            np.concatenate([self.count, _ONE]),
+            np.concatenate([self.certain, noise[:, None] == 0.0], axis=1),
         )
 
     def leads(self, noise: Floats) -> bool:
@@ -75,31 +75,35 @@ class Readings:
         if self.leads(self.noise.min(axis=1)):
             return self
         order = np.argsort(self.noise.max(axis=0), kind="stable")
-        return Readings(self.at[order], self.z[:, order], self.noise[:, order], self.count[order])
+        noise, certain = self.noise[:, order], self.certain[:, order]
+        return Readings(self.at[order], self.z[:, order], noise, certain)
 
 
 def distinct(at: Floats, z: Floats, noise: Floats) -> Readings:
     """Readings at (n, 2) places, those at one place averaged, in order of first appearance."""
     _, first, inverse = np.unique(at, axis=0, return_index=True, return_inverse=True)
+    certain = (noise == 0.0).astype(float)
     if len(first) == len(at):
-        return Readings(at, z, noise, np.ones(len(at)))
+        return Readings(at, z, noise, certain)
     order = np.argsort(first)
     members = [np.flatnonzero(inverse.ravel() == k) for k in order]
-    merged = [_merged(noise[:, m], np.ones(len(m))) for m in members]
+    merged = [_merged(noise[:, m], certain[:, m]) for m in members]
     values = [(w * z[:, m]).sum(axis=1) for (w, _), m in zip(merged, members, strict=True)]
     return Readings(
         at[first[order]],
         np.stack(values, axis=1),
         np.stack([joint for _, joint in merged], axis=1),
-        np.array([float(len(m)) for m in members]),
+        np.stack([certain[:, m].sum(axis=1) for m in members], axis=1),
     )
 
 
-def _merged(noise: Floats, count: Floats) -> tuple[Floats, Floats]:
-    """Weights (g, k) of k readings at one place by their precision, and their joint noise (g,)."""
-    certain = noise == 0.0
+def _merged(noise: Floats, certain: Floats) -> tuple[Floats, Floats]:
+    """Weights (g, k) of k readings at one place by their precision, and their joint noise (g,).
+
+    Each may stand for (g, k) readings without noise.
+    """
     any_certain = certain.any(axis=1, keepdims=True)
-    precision = np.where(any_certain, certain * count, 1.0 / np.where(certain, 1.0, noise))
+    precision = np.where(any_certain, certain, 1.0 / np.where(certain > 0.0, 1.0, noise))
     total = precision.sum(axis=1, keepdims=True)
     return precision / total, np.where(any_certain, 0.0, 1.0 / total)[:, 0]
 

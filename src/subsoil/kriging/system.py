@@ -104,7 +104,7 @@ class System:
         layers, one = self.layers()[group], slice(group, group + 1)
         r = self.readings
         return System(
-            Readings(r.at, r.z[layers], r.noise[one], r.count),
+            Readings(r.at, r.z[layers], r.noise[one], r.certain[one]),
             self.covariance.of(group),
             self.base[one],
             GrowingStack(self.inverse.array[one]),

@@ -86,18 +86,19 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
     of a sill that n readings, that is n - 1 contrasts, tell: the true sill over the estimated one
     is n - 1 over a chi-square of n - 1. Both together are an F distribution. Mean squares of two
     layers correlate with the square of the correlation r of their errors, for which 0.9 of that
-    of their readings stands. For m layers alike, of equal weight, the degrees of freedom are::
+    of their readings stands. For m layers alike, of equal weight and all reached by n samples, the
+    degrees of freedom are::
 
         errors = (tr P)^2 / tr(P P) * m^2 / sum r^2
         sills  = (n - 1)            * m^2 / sum r^2
 
-    P is taken on at most 300 cells spread over the field. Ranges and shares of nugget are taken
+    A layer that fewer samples reached rests on fewer contrasts, on one at least. P is taken on at
+    most 300 cells spread over the field. Ranges and shares of nugget are taken
     for known: it holds as far as the variograms do, with the estimator ``pmc`` on the test bed,
     but not with least squares, which take the soil for smoother than it is. NaN before the second
     sample.
     """
-    n = len(soil_map.samples)
-    if n < 2:
+    if len(soil_map.samples) < 2:
         return MeanSquare(nan, nan, nan)
     if not soil_map.field_kv > 0:
         return MeanSquare(soil_map.field_kv, nan, nan)
@@ -107,10 +108,13 @@ def mean_square_error(soil_map: SoilMap) -> MeanSquare:
         p = stack.unit[:, None, None] * stack.estimate.error_covariance(cells, cells)
         mean[list(stack.layers)] = np.diagonal(p, axis1=1, axis2=2).mean(axis=1)
         square[list(stack.layers)] = np.mean(p * p, axis=(1, 2))
-    weights, likeness = np.asarray(soil_map.layers.weights), layer_correlation(soil_map.kpa) ** 2
+    kpa = soil_map.kpa
+    weights, likeness = np.asarray(soil_map.layers.weights), layer_correlation(kpa) ** 2
+    contrasts = np.maximum(np.isfinite(kpa).sum(axis=1) - 1, 1)
+    of_errors, of_sills = weights * np.sqrt(square), weights * mean / np.sqrt(contrasts)
     total = float(weights @ mean) ** 2
-    errors = total / float((weights * np.sqrt(square)) @ likeness @ (weights * np.sqrt(square)))
-    sills = (n - 1) * total / float((weights * mean) @ likeness @ (weights * mean))
+    errors = total / float(of_errors @ likeness @ of_errors)
+    sills = total / float(of_sills @ likeness @ of_sills)
     return MeanSquare(soil_map.field_kv, errors, sills)
 
 

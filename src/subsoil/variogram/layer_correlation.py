@@ -14,6 +14,8 @@ _FEWEST_WHOLE = 4
 """Samples of all layers that tell how many independent layers there are."""
 _UNKNOWN_LAYERS = 2.0
 """Independent layers assumed while samples are too few to tell."""
+_ROUNDING = 1e-12
+"""Share of the squares of a layer below which their spread is rounding."""
 
 
 def layer_correlation(z: Floats) -> Floats:
@@ -43,7 +45,8 @@ def layer_correlation(z: Floats) -> Floats:
     of_pairs = np.maximum(pairs, 1.0)
     product = away @ away.T - sums * sums.T / of_pairs
     spread = squares - sums**2 / of_pairs
-    tells = (pairs >= _FEWEST_PAIRS) & (spread > 0.0) & (spread.T > 0.0)
+    varies = spread > _ROUNDING * squares
+    tells = (pairs >= _FEWEST_PAIRS) & varies & varies.T
     size = np.sqrt(spread * spread.T, out=np.ones_like(spread), where=tells)
     correlation = np.where(tells, product / size, 1.0)
     shrunk: Floats = _SHRINKING * correlation

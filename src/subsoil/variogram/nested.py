@@ -17,6 +17,8 @@ from subsoil.variogram.models import Bounded, name_of_kind
 _AT_THE_RANGE = 0.05
 """Correlation at the practical range."""
 _HALVINGS = 50
+_MOST_LEFT_OUT = 0.05
+"""Share of the whole that traces left out come to, at most."""
 _CACHED = 1 << 14
 """Lags worked on at a time: what stays in the cache of a processor core."""
 
@@ -148,6 +150,8 @@ def name_of(model: Bounded | Nested) -> str:
 def without_traces(structures: Iterable[Structure], trace: float) -> tuple[Structure, ...]:
     """Leave out structures below a share of the whole; the others grow to keep its nugget.
 
+    The smallest first, as long as they come to little together: many may all be small.
+
     Examples
     --------
     >>> from subsoil.variogram.models import Exponential as E
@@ -155,7 +159,10 @@ def without_traces(structures: Iterable[Structure], trace: float) -> tuple[Struc
     0.8001
     """
     everything = tuple(structures)
+    shares = np.array([structure.share for structure in everything])
     total = sum(structure.share for structure in everything)
-    kept = [structure for structure in everything if structure.share >= trace * total]
+    order = np.argsort(shares, kind="stable")
+    gone = (shares < trace * total)[order] & (np.cumsum(shares[order]) <= _MOST_LEFT_OUT * total)
+    kept = [everything[k] for k in np.sort(order[~gone])]
     growth = total / (sum(structure.share for structure in kept) or 1.0)
     return tuple(Structure(s.share * growth, s.kind, s.range) for s in kept)
