@@ -120,7 +120,7 @@ def test_what_is_said_to_be_sure_is_true_as_often_as_it_is_sure(
         soil_map = surveyed(made, read, told_sills(made, read))
         error = rmse(soil_map.mean, soil)
         said.append(SureRmse(error, 0.8).measure(soil_map, ()))
-    scores = norm.ppf(said)
+    scores = np.asarray(norm.ppf(said))
     assert scores.mean() == pytest.approx(0.0, abs=4.5 * sqrt(1 / REPEATS) + 0.1)
     assert np.mean(scores**2) == pytest.approx(1.0, abs=4.5 * sqrt(2 / REPEATS) + 0.1)
 
