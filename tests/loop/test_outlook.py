@@ -197,6 +197,9 @@ def test_where_the_limits_are_beyond_what_is_foreseen_no_target_is_given_up(
     assert list(out_of_reach(survey, seen)) == []
     assert list(out_of_reach(replace(survey, finished="enough"), seen)) == []
     assert list(out_of_reach(survey, foreseen(0, 0))) == []
+    # With two samples left to take, two are all there is.
+    survey = under_way(samples=17, goals=(TargetRmse(1.0),))
+    assert len(list(out_of_reach(survey, seen))) == 1
 
 
 def test_only_least_squares_are_too_sure_of_themselves(under_way: Callable[..., Survey]) -> None:
