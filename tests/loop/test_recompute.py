@@ -158,7 +158,7 @@ def across(cell: int) -> int:
 
 def one_side(view: View) -> Plan:
     """Cells of the diagonal, then two on one side of it."""
-    wanted = [SQUARE.nearest_cell(at) for at in ((22.5, 22.5), X
+    wanted = [SQUARE.nearest_cell(at) for at in ((22.5, 22.5), (32.5, 12.5), (47.5, 7.5))]
     left = tuple(cell for cell in wanted if view.free[cell] or cell in view.plan)
     return Plan(left[: view.remaining], "one side")
 
