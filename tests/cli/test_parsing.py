@@ -274,6 +274,7 @@ def test_a_name_is_completed_from_its_beginning(typed: str, found: list[str]) ->
         ("ab,ab", ["ab,ab"]),
         ("x,y,a", ["x,y,a", "x,y,ab"]),
         ("a b,z", []),
+        ("b", []),
     ],
 )
 def test_the_last_of_several_names_is_completed_and_the_others_stay(
