@@ -9,15 +9,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 from scipy.stats import binom, chi2, kstest
 
-from subsoil.agent import Assignment, Push, Refusal
+from subsoil.agent import Arrival, Assignment, Push, Refusal, Unreachable
 from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
 from subsoil.land.field import Field
 from subsoil.layers import Layers, LayerState
 from subsoil.penetrometer import SMALL_CONE, Cone
 from subsoil.simulation import Machine, SimulatedRobot, Soil, Truth, push
+from subsoil.ways.open_land import OpenLand
 
 LAYERS = Layers()
 SOIL = np.array([400.0, 800.0, 1200.0, 1500.0, 1600.0, 1700.0, 1800.0, 2000.0])
@@ -215,3 +217,22 @@ def test_a_push_is_usable_from_the_depth_on_that_is_asked_for() -> None:
     # Stones are even over 0.5 m and stall the rod within 5 mm below.
     n, share = len(outcomes), 0.25 / 0.5
     assert binom.ppf(LEAST_P, n, share - 0.01) <= len(refused) <= binom.isf(LEAST_P, n, share)
+
+
+class Ferry(OpenLand):
+    """Open land cut in two at 25 m east, with no way across."""
+
+    def between(self, a: ArrayLike, b: ArrayLike) -> Floats:
+        east = [np.asarray(places, dtype=float).reshape(-1, 2)[:, 0] > 25.0 for places in (a, b)]
+        return np.where(east[0][:, None] == east[1], super().between(a, b), np.inf)
+
+
+def test_where_no_way_leads_it_does_not_go_and_spends_nothing() -> None:
+    robot = SimulatedRobot(TRUTH, QUIET, seed=1, position=(2.5, 2.5), access=Ferry(FIELD))
+    before = robot.battery_s
+    there = robot.go_to(Assignment("far", 0, FIELD.nearest_cell((42.5, 7.5)), (42.5, 7.5)))
+    assert there == Unreachable("no way leads there", (2.5, 2.5))
+    assert robot.battery_s == before
+    near = robot.go_to(Assignment("near", 1, FIELD.nearest_cell((12.5, 2.5)), (12.5, 2.5)))
+    assert isinstance(near, Arrival)
+    assert near.metres == 10.0
