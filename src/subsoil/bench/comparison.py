@@ -116,7 +116,8 @@ def paired(entrant: ByField, reference: ByField) -> Difference:
     ours = np.array([entrant[k] for k in both])
     theirs = np.array([reference[k] for k in both])
     difference = mean_of(ours - theirs)
-    scale = 100.0 / theirs.mean() if theirs.size else np.nan
+    whole = float(theirs.mean()) if theirs.size else 0.0
+    scale = 100.0 / whole if whole else np.nan
     percent = Mean(difference.mean * scale, difference.half * scale, difference.fields)
     won = (ours < theirs) + 0.5 * (ours == theirs)
     return Difference(difference, percent, float(won.mean()) if won.size else np.nan)

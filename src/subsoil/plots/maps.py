@@ -147,9 +147,10 @@ def layer_panel(soil_map: SoilMap, layer: int, *, ax: Axes) -> Axes:
     ParameterError
         If there is no such layer.
     """
-    if not 0 <= layer < (number := len(soil_map.layers)):
+    last = len(soil_map.layers) - 1
+    if not 0 <= layer <= last:
         raise ParameterError(
-            f"there is no layer {layer}", where="layer_panel", remedy=f"0 to {number - 1}"
+            f"there is no layer {layer}", where="layer_panel", remedy=f"0 to {last}"
         )
     head(ax, soil_map.layers.names[layer])
     _draw_layer(ax, soil_map, soil_map.mean[layer], layer, _of_means(soil_map))

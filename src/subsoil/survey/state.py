@@ -220,8 +220,11 @@ class Survey:
     def notes(self) -> tuple[str, ...]:
         """What a reader of the survey should know."""
         lost = len(self.readings) - len(self.soil_map.samples)
-        said = [f"{lost} readings say nothing that can be true, and are not mapped"] if lost else []
-        return (*self.soil_map.notes, *said)
+        if not lost:
+            return self.soil_map.notes
+        words = "1 reading says" if lost == 1 else f"{lost} readings say"
+        mapped = "is not mapped" if lost == 1 else "are not mapped"
+        return (*self.soil_map.notes, f"{words} nothing that can be true, and {mapped}")
 
     def agent(self, name: str) -> Agent:
         """The agent of a name.
