@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 FOLDER = "reference/rooms"
 ROOMS = (
-    "errors", "layers", "penetrometer", "readings", "land", "agent", "outcomes", "reports",
+    "errors", "findings", "layers", "penetrometer", "readings", "land",
+    "agent", "outcomes", "reports",
     "variogram", "kriging", "mapping",
     "ways", "stopping", "strategies",
     "simulation",
@@ -34,7 +35,8 @@ def public(module: ModuleType) -> dict[str, Any]:
     """What a module makes public, by full name: its ``__all__``, or else what it documents."""
     names = getattr(module, "__all__", None)
     if names is not None:
-        return {f"{module.__name__}.{name}": getattr(module, name) for name in names}
+        values = {f"{module.__name__}.{name}": getattr(module, name) for name in names}
+        return {name: value for name, value in values.items() if not inspect.ismodule(value)}
     documented = {name for _, name in ModuleAnalyzer.for_module(module.__name__).find_attr_docs()}
     found = {
         f"{module.__name__}.{name}": value
