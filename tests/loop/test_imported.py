@@ -19,8 +19,7 @@ NOON = datetime(2026, 5, 4, 12, 0, 0)
 @pytest.fixture
 def readings() -> Readings:
     at = [(5.0, 5.0), (15.0, 5.0), (15.0, 15.0)]
-    kpa = np.array([[800, 900], [700, 950], [720, np.nan]])
-    plain = Readings.of(at, [0.1, 0.2], kpa)
+    plain = Readings.of(at, [0.1, 0.2], [[800.0, 900.0], [700.0, 950.0], [720.0, np.nan]])
     times = tuple(NOON + timedelta(minutes=k) for k in range(3))
     return replace(
         plain, numbers=("1", "2", "3"), times=times, instrument="SC900", source="/a/b.csv"
