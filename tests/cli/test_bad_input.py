@@ -139,7 +139,7 @@ def test_constant_readings_give_a_constant_map_and_no_skill(
 
 def test_unknown_units_and_a_missing_cone_area(cli: Cli, tmp_path: Path, outline: Path) -> None:
     path = tmp_path / "r.csv"
-    for column, word in (("stone_5cm", "depth"), ("n_5cm", "cone")):
+    for column, word in (("hpa_5cm", "hpa_5cm"), ("n_5cm", "cone")):
         path.write_text(f"easting,northing,{column}\n5,5,100\n20,20,110\n40,30,120\n")
         outcome = cli("map", path, "--boundary", outline, "--out", tmp_path / "m")
         assert_one_line(outcome, 2, "r.csv", word)

@@ -8,12 +8,11 @@ import numpy as np
 import shapely
 
 from subsoil.errors import ParameterError, brief
+from subsoil.io.read.strays import FENCE_M
 from subsoil.land.field import Field
 from subsoil.reports import Place
 from subsoil.units import METRIC, Units
 
-FENCE_M = 5.0
-"""Distance from its outline at which a place still is on the field, as receivers see it."""
 _NEAR_M = 10_000.0
 _POINTS = ("north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west")
 
