@@ -346,3 +346,10 @@ def test_angles_in_parts_and_as_receivers_pack_them_are_the_same(angle: float) -
 def test_times_are_told_by_the_whole_column(texts: list[str], first: str | None) -> None:
     found = times_of(texts)
     assert (str(found[0]) if found else None) == first
+
+
+def test_a_number_without_end_is_no_number(save: Save) -> None:
+    path = save("lat,lon,kpa_5cm", f"{AT},500", f"53.2616,-0.525,{'9' * 400}")
+    readings = read_readings(path)
+    assert profiles(readings) == [[500]]
+    assert "is not a finite number" in str(left_out(readings.findings)[0])

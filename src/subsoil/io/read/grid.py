@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import numpy as np
+
+from subsoil.arrays import Floats, Integers
 from subsoil.errors import ReadingsError
 from subsoil.findings import Finding
 from subsoil.io.read.clock import Times, times_of
@@ -18,6 +21,7 @@ from subsoil.io.read.row_places import Positions
 from subsoil.io.read.sheet import Row, Sheet
 from subsoil.io.read.vocabulary import NUMBERS, UNIT, plain, unit_named, words_of
 from subsoil.penetrometer import Cone
+from subsoil.reports import Ending
 
 
 @dataclass(frozen=True)
@@ -169,3 +173,14 @@ class Said:
     def left_out(self, row: int, seen: str, column: str = "") -> None:
         """Say that a row is left out."""
         self.found.append(Finding(seen, "left out", "left out", self.file, row, column))
+
+    def ending(self, values: Floats, bounds: Integers, row: int, column: str = "") -> Ending:
+        """Take values that are only bounds out, and say so; returns what ended the push."""
+        if not bounds.size:
+            return "stroke"
+        seen = f"it says {values[bounds[0]]:g} or more"
+        values[bounds] = np.nan
+        ends = not np.isfinite(values[bounds[0] :]).any()
+        done = "taken as the end of the push, not as a value" if ends else "not taken as a value"
+        self.found.append(Finding(seen, done, "doubt", self.file, row, column))
+        return "force" if ends else "stroke"

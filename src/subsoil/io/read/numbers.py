@@ -79,7 +79,8 @@ def _plain(texts: Sequence[str], writing: Writing) -> Floats | None:
     except ValueError:
         return None
     meant.update(dict.fromkeys(codes, np.nan))
-    return np.array([meant[text] for text in texts], dtype=float)
+    values = np.array([meant[text] for text in texts], dtype=float)
+    return None if np.isinf(values).any() else values
 
 
 def _number(text: str, writing: Writing) -> float:

@@ -158,7 +158,7 @@ def _record(
     at = np.searchsorted(depth_m, own)
     values[at] = depths.strength.values[order]
     bounds = [k for k, i in zip(at, order, strict=True) if i in depths.strength.at_least]
-    force = bool(bounds) and _end(values, bounds, grid, push[0], said)
+    ending = said.ending(values, np.array(bounds, dtype=int), grid.rows[push[0]])
     depth_m = cache.setdefault(depth_m.tobytes(), depth_m)
     above = np.concatenate([[0.0], depth_m[:-1]])
     top_m = (
@@ -178,15 +178,5 @@ def _record(
         "/".join(grid.cells[first][k].strip() for k in keys),
         grid.times[first],
         grid.cones[first],
-        "force" if force else "stroke",
+        ending,
     )
-
-
-def _end(values: Floats, bounds: list[int], grid: Grid, row: int, said: Said) -> bool:
-    """Take values that are only bounds out, and say so; returns whether they end the push."""
-    seen = f"it says {values[bounds[0]]:g} or more"
-    values[bounds] = np.nan
-    ends = not np.isfinite(values[bounds[0] :]).any()
-    done = "taken as the end of the push, not as a value" if ends else "not taken as a value"
-    said.found.append(Finding(seen, done, "doubt", said.file, grid.rows[row]))
-    return ends

@@ -35,7 +35,9 @@ def wide_records(grid: Grid) -> tuple[list[Record], list[Finding]]:
         elif i == last:
             said.left_out(row, "it is the mean or the sum of all rows above")
         else:
-            at_least = bool(bounds[i].any()) and _end(values[i], bounds[i], grid, row, said)
+            above = np.flatnonzero(bounds[i])
+            column = columns.names[columns.layers[above[0]]] if above.size else ""
+            ending = said.ending(values[i], above, row, brief(column))
             records.append(
                 Record(
                     row,
@@ -47,7 +49,7 @@ def wide_records(grid: Grid) -> tuple[list[Record], list[Finding]]:
                     labels[i].strip(),
                     grid.times[i],
                     grid.cones[i],
-                    "force" if at_least else "stroke",
+                    ending,
                 )
             )
     return records, said.found
@@ -57,15 +59,3 @@ def _ends_in_mean(grid: Grid, values: Floats) -> bool:
     return bool(len(values)) and is_mean(
         np.column_stack([grid.positions.x, grid.positions.y, values])
     )
-
-
-def _end(values: Floats, bounds: np.ndarray, grid: Grid, row: int, said: Said) -> bool:
-    """Take values that are only bounds out, and say so; returns whether they end the push."""
-    first = int(np.argmax(bounds))
-    column = brief(grid.columns.names[grid.columns.layers[first]])
-    seen = f"it says {values[first]:g} or more"
-    values[bounds] = np.nan
-    ends = not np.isfinite(values[first:]).any()
-    done = "taken as the end of the push, not as a value" if ends else "not taken as a value"
-    said.found.append(Finding(seen, done, "doubt", said.file, row, column))
-    return ends
