@@ -21,6 +21,7 @@ def subsoil(folder: Path, *arguments: str) -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_the_strategy_of_the_page_surveys_and_is_benchmarked(tmp_path: Path) -> None:
     code = re.search(r"```python\n(# mine\.py\n.*?)```", PAGE.read_text(), re.DOTALL)
     assert code

@@ -19,6 +19,7 @@ def test_there_are_examples_enough_to_look_through() -> None:
     assert (GALLERY / "GALLERY_HEADER.rst").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs_and_leaves_a_picture_with_something_in_it(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

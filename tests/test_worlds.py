@@ -65,7 +65,7 @@ def off(survey: Survey) -> Survey:
         (
             lambda: soil_of(joined("robot")),
             "plot: rob began it on real land, which is not simulated "
-            "(remedy: let that agent go on, or start another survey for a simulation)",
+            "(remedy: a person goes on with `subsoil next`; simulate in a survey of its own)",
         ),
         (
             lambda: soil_of(opened(opening(FIELD, LAYERS, SMALL_CONE))),

@@ -47,7 +47,7 @@ field
 # What was left out says in which row it was, and why.
 
 readings = ss.read_readings(folder / "readings.csv", field=field)
-print(*readings.refused, sep="\n")
+print(*readings.findings, sep="\n")
 
 # %%
 # From here on it is a map like any other: a wheel track has left its mark, most of all between 10
@@ -56,6 +56,6 @@ print(*readings.refused, sep="\n")
 layers = ss.Layers((0.0, 0.1, 0.2, 0.3))
 soil = ss.krige(field, readings, ss.fit(readings, layers))
 figure = ss.plots.depth_slices(
-    soil, caption=f"{len(readings)} readings, {len(readings.refused)} left out"
+    soil, caption=f"{len(readings)} readings, {len(readings.findings)} findings"
 )
 figure

@@ -166,6 +166,7 @@ def breaks(name: str) -> dict[str, str]:
     return {each.rule: each.seen for each in check(name).broken}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "rule", "seen"),
     [

@@ -277,6 +277,7 @@ def test_a_changed_survey_file_is_found(cli: Cli, tmp_path: Path, outline: Path)
     assert "layer samples: kpa_0_5cm of row" in outcome.json["findings"][0]
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_line_and_loses_nothing(tmp_path: Path, outline: Path) -> None:
     small = tmp_path / "small"
     small.mkdir()

@@ -80,6 +80,7 @@ def test_every_option_is_in_a_group(verb: str) -> None:
     assert {option.rich_help_panel for option in options(verb).values()} <= GROUPS
 
 
+@pytest.mark.slow
 def test_the_examples_work_as_written(
     cli: Cli, tmp_path: Path, readings: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -74,6 +74,7 @@ def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path: Path) -> None:
     assert not (tmp_path / "loaded").exists()
 
 
+@pytest.mark.slow
 def test_a_survey_file_that_names_code_does_not_run_it(tmp_path: Path) -> None:
     (tmp_path / "plot.csv").write_text(OUTLINE)
     (tmp_path / "mine.py").write_text(
@@ -97,6 +98,7 @@ def test_a_survey_file_that_names_code_does_not_run_it(tmp_path: Path) -> None:
     assert (tmp_path / "loaded").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mine", "mine:own"])
 def test_a_module_of_the_current_folder_runs_once_the_user_names_it(
     tmp_path: Path, name: str

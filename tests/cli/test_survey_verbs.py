@@ -119,6 +119,7 @@ def test_the_terminal_shows_units(cli: Cli, survey: Path) -> None:
         assert unit in out
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_in_one_line_and_loses_nothing(survey: Path, cli: Cli) -> None:
     command = [sys.executable, "-m", "subsoil", "run", str(survey), "--samples", "90"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)

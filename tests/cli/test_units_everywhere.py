@@ -128,6 +128,9 @@ def test_a_survey_is_told_in_other_units_number_by_number(
     metric, us = (outcome.out for outcome in outcomes)
     if verb == "status":  # its first line is a sentence, which other tests read
         metric, us = (said.partition("\n")[2] for said in (metric, us))
+        assert "simulated robot (simulator), 14 samples, 170 m in" in metric
+        assert "simulated robot (simulator), 14 samples, 559 ft in" in us
+        metric, us = (re.sub(r"\d+ (m|ft) in", "way in", said) for said in (metric, us))
     assert assert_same_but_for_units(metric, us) >= least
 
 

@@ -76,6 +76,7 @@ def assert_same_map(one: Survey, other: Survey, tolerance: float) -> None:
         assert np.allclose(a, b, rtol=tolerance, atol=0.0)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=15)
 @given(order=st.permutations(range(9)), again=st.lists(st.integers(0, 8), max_size=6))
 def test_reports_shuffled_repeated_and_late_give_the_same_map(
@@ -93,6 +94,7 @@ def test_reports_shuffled_repeated_and_late_give_the_same_map(
     assert_same_map(fitted(dispatch.survey), told(*range(9)), 1e-6)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=15)
 @given(gone=st.sets(st.integers(0, 8), min_size=1, max_size=5), early=st.booleans())
 def test_a_withdrawn_reading_leaves_the_map_as_if_it_had_never_been(
@@ -111,6 +113,7 @@ def test_a_withdrawn_reading_leaves_the_map_as_if_it_had_never_been(
     assert dispatch.survey.metres == 27.0
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=15)
 @given(changed=st.integers(0, 8), more=st.floats(-50, 200), east=st.floats(1, 59))
 def test_an_amended_reading_leaves_the_map_as_if_it_had_been_so_from_the_start(
