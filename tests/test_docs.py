@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "strategies.md"
 ROBOTS = DOCS / "robots.md"
