@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from subsoil.errors import BoundaryError, ReadingsError
 from subsoil.findings import left_out, others
 from subsoil.io.read.boundary import read_field
-from subsoil.io.read.marks import check_marks, writing_of
 from subsoil.io.read.missing import is_missing
 from subsoil.io.read.readings import read_readings
+from subsoil.io.read.tables.marks import check_marks, writing_of
 
 PLACES = [("53.2615", "-0.5250"), ("53.2616", "-0.5251"), ("53.2617", "-0.5252")]
 

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from subsoil.errors import ReadingsError
 from subsoil.findings import left_out, others
-from subsoil.io.read.clock import times_of
-from subsoil.io.read.degrees import angles
-from subsoil.io.read.headings import meaning_of
 from subsoil.io.read.readings import read_readings
-from subsoil.io.read.sheet import Sheet
-from subsoil.io.read.table import recording_of
-from subsoil.io.read.tables import SHEETS
+from subsoil.io.read.tables.clock import times_of
+from subsoil.io.read.tables.degrees import angles
+from subsoil.io.read.tables.headings import meaning_of
+from subsoil.io.read.tables.sheet import Sheet
+from subsoil.io.read.tables.table import recording_of
+from subsoil.io.read.tables.tables import SHEETS
 from subsoil.layers import Layers
 from subsoil.penetrometer import SMALL_CONE
 from subsoil.readings import Readings

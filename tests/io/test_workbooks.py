@@ -20,8 +20,8 @@ import shapely
 from subsoil.errors import InputError, MissingExtraError, ReadingsError
 from subsoil.findings import left_out, others
 from subsoil.io.read.readings import read_readings
-from subsoil.io.read.table import recording_of
-from subsoil.io.read.workbook import read_workbook
+from subsoil.io.read.tables.table import recording_of
+from subsoil.io.read.tables.workbook import read_workbook
 
 HEAD = ["date", "lat", "lon", "kpa_5cm", "kpa_10cm"]
 FIRST = [datetime(2024, 5, 13, 8, 15), 53.2615, -0.525, 1119, 1350.5]

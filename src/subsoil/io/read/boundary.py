@@ -27,15 +27,15 @@ import shapely
 
 from subsoil.errors import BoundaryError, brief, printable
 from subsoil.findings import Finding
-from subsoil.io.read.archive import ARCHIVES, read_archive
-from subsoil.io.read.corners import read_coords, read_corners
-from subsoil.io.read.geofile import read_geofile
-from subsoil.io.read.geojson import read_geojson
-from subsoil.io.read.gpx import read_gpx
-from subsoil.io.read.home import exactness, home_of, moved
-from subsoil.io.read.kml import read_kml
-from subsoil.io.read.outlines import Outlines
-from subsoil.io.read.parcels import chosen, joined
+from subsoil.io.read.outlines.archive import ARCHIVES, read_archive
+from subsoil.io.read.outlines.corners import read_coords, read_corners
+from subsoil.io.read.outlines.geofile import read_geofile
+from subsoil.io.read.outlines.geojson import read_geojson
+from subsoil.io.read.outlines.gpx import read_gpx
+from subsoil.io.read.outlines.home import exactness, home_of, moved
+from subsoil.io.read.outlines.kml import read_kml
+from subsoil.io.read.outlines.outlines import Outlines
+from subsoil.io.read.outlines.parcels import chosen, joined
 from subsoil.io.read.text import check_file
 from subsoil.land.field import Field
 from subsoil.land.outline import Area

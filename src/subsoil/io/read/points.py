@@ -10,8 +10,8 @@ import shapely
 
 from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
-from subsoil.io.read.geofile import read_layer
-from subsoil.io.read.geojson import features_of
+from subsoil.io.read.outlines.geofile import read_layer
+from subsoil.io.read.outlines.geojson import features_of
 from subsoil.land.crs import WGS84
 
 

@@ -15,10 +15,10 @@ import shapely
 
 from subsoil.errors import BoundaryError, ReadingsError, brief, listed
 from subsoil.findings import Finding
-from subsoil.io.read.geofile import read_layer
-from subsoil.io.read.geojson import features_of
 from subsoil.io.read.instruments.coordinates import degrees
 from subsoil.io.read.joining import Positions
+from subsoil.io.read.outlines.geofile import read_layer
+from subsoil.io.read.outlines.geojson import features_of
 from subsoil.io.read.recording import Frame, unusable
 from subsoil.io.read.text import POSITION_COLUMNS, number, read_text
 from subsoil.land.crs import WGS84, named_crs, project

@@ -24,9 +24,9 @@ from subsoil.io.read.plausible import doubts, stray
 from subsoil.io.read.position_files import read_positions
 from subsoil.io.read.recording import Recording, kpa_per_unit
 from subsoil.io.read.screening import Push, screened
-from subsoil.io.read.sheet import NO_MEANINGS, Meanings
 from subsoil.io.read.strays import FENCE_M, at_field, elsewhere, strays
-from subsoil.io.read.tables import SHEETS, read_sheets
+from subsoil.io.read.tables.sheet import NO_MEANINGS, Meanings
+from subsoil.io.read.tables.tables import SHEETS, read_sheets
 from subsoil.io.read.text import check_file
 from subsoil.land.field import Field
 from subsoil.penetrometer import Cone

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from subsoil.errors import BoundaryError, listed
 from subsoil.findings import Finding
-from subsoil.io.read.outlines import KEEP_OUT, Parcel
+from subsoil.io.read.outlines.outlines import KEEP_OUT, Parcel
 from subsoil.land.outline import Area
 
 APART_M = 30.0

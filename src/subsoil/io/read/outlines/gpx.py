@@ -9,7 +9,7 @@ import numpy as np
 from shapely.geometry import LineString
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.read.outlines import Feature, Outlines, not_an_outline, outlines_of
+from subsoil.io.read.outlines.outlines import Feature, Outlines, not_an_outline, outlines_of
 from subsoil.io.read.xml import Element, kind_of, parsed, word_of
 from subsoil.land.crs import WGS84
 

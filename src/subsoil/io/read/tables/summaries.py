@@ -8,8 +8,8 @@ import numpy as np
 
 from subsoil.arrays import Floats
 from subsoil.findings import Finding
-from subsoil.io.read.sheet import Row
-from subsoil.io.read.vocabulary import SUMMARIES, plain
+from subsoil.io.read.tables.sheet import Row
+from subsoil.io.read.tables.vocabulary import SUMMARIES, plain
 
 _FEWEST = 3
 

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from subsoil.errors import ReadingsError
-from subsoil.io.read.heading_row import understood
-from subsoil.io.read.sheet import MOST_CELLS, Row, Sheet
+from subsoil.io.read.tables.heading_row import understood
+from subsoil.io.read.tables.sheet import MOST_CELLS, Row, Sheet
 from subsoil.io.read.text import read_any_text
 
 _DELIMITERS = ";\t,|"

@@ -9,12 +9,12 @@ import numpy as np
 
 from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief, listed
-from subsoil.io.read.columns import MAP, Columns
-from subsoil.io.read.degrees import EAST_WEST, NORTH_SOUTH, angles, has_parts
-from subsoil.io.read.marks import Writing, writing_of
-from subsoil.io.read.numbers import numbers_of
 from subsoil.io.read.recording import Frame
-from subsoil.io.read.sheet import Row
+from subsoil.io.read.tables.columns import MAP, Columns
+from subsoil.io.read.tables.degrees import EAST_WEST, NORTH_SOUTH, angles, has_parts
+from subsoil.io.read.tables.marks import Writing, writing_of
+from subsoil.io.read.tables.numbers import numbers_of
+from subsoil.io.read.tables.sheet import Row
 
 _WIDEST_DEG = 180.0
 _FIELD_DEG, _FIELD_M = 1.0, 3.0

@@ -10,8 +10,8 @@ import re
 from pathlib import Path
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.read.marks import check_marks
-from subsoil.io.read.outlines import Feature, Outlines, frame, outlines_of
+from subsoil.io.read.outlines.outlines import Feature, Outlines, frame, outlines_of
+from subsoil.io.read.tables.marks import check_marks
 from subsoil.io.read.text import POSITION_COLUMNS, number, read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import polygon

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 
 from subsoil.errors import BoundaryError, InputError, brief, listed
 from subsoil.io.read.alone import alone
-from subsoil.io.read.outlines import (
+from subsoil.io.read.outlines.outlines import (
     NOTHING,
     Feature,
     Outlines,

@@ -10,9 +10,9 @@ import numpy as np
 
 from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError, brief, listed
-from subsoil.io.read.headings import OTHER, Kind, Meaning, in_metres, meaning_of
-from subsoil.io.read.sheet import NO_MEANINGS, Meanings
-from subsoil.io.read.vocabulary import LENGTH, UNIT, length_named, plain, unit_named
+from subsoil.io.read.tables.headings import OTHER, Kind, Meaning, in_metres, meaning_of
+from subsoil.io.read.tables.sheet import NO_MEANINGS, Meanings
+from subsoil.io.read.tables.vocabulary import LENGTH, UNIT, length_named, plain, unit_named
 
 MAP = "--map 'heading=meaning'"
 _EXAMPLES = (

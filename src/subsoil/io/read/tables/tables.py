@@ -8,12 +8,12 @@ from pathlib import Path
 
 from subsoil.errors import ReadingsError, listed
 from subsoil.findings import Finding
-from subsoil.io.read.delimited import looks_like_table, read_delimited
-from subsoil.io.read.point_sheet import looks_like_points, read_point_sheet
 from subsoil.io.read.recording import Recording
-from subsoil.io.read.sheet import NO_MEANINGS, Meanings, Sheet
-from subsoil.io.read.table import recording_of
-from subsoil.io.read.workbook import looks_like_workbook, read_workbook
+from subsoil.io.read.tables.delimited import looks_like_table, read_delimited
+from subsoil.io.read.tables.point_sheet import looks_like_points, read_point_sheet
+from subsoil.io.read.tables.sheet import NO_MEANINGS, Meanings, Sheet
+from subsoil.io.read.tables.table import recording_of
+from subsoil.io.read.tables.workbook import looks_like_workbook, read_workbook
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def read_sheets(
     path
         The file.
     meanings, unit, placed
-        As in :func:`~subsoil.io.read.table.recording_of`.
+        As in :func:`~subsoil.io.read.tables.table.recording_of`.
 
     Raises
     ------

@@ -11,15 +11,15 @@ import numpy as np
 from subsoil.arrays import Floats, Integers
 from subsoil.errors import ReadingsError
 from subsoil.findings import Finding
-from subsoil.io.read.clock import Times, times_of
-from subsoil.io.read.columns import Columns
-from subsoil.io.read.cones import cones_of
-from subsoil.io.read.marks import Writing, writing_of
-from subsoil.io.read.numbers import Numbers, numbers_of
 from subsoil.io.read.recording import HARDEST_KPA, KPA
-from subsoil.io.read.row_places import Positions
-from subsoil.io.read.sheet import Row, Sheet
-from subsoil.io.read.vocabulary import NUMBERS, UNIT, plain, unit_named, words_of
+from subsoil.io.read.tables.clock import Times, times_of
+from subsoil.io.read.tables.columns import Columns
+from subsoil.io.read.tables.cones import cones_of
+from subsoil.io.read.tables.marks import Writing, writing_of
+from subsoil.io.read.tables.numbers import Numbers, numbers_of
+from subsoil.io.read.tables.row_places import Positions
+from subsoil.io.read.tables.sheet import Row, Sheet
+from subsoil.io.read.tables.vocabulary import NUMBERS, UNIT, plain, unit_named, words_of
 from subsoil.penetrometer import Cone
 from subsoil.reports import Ending
 

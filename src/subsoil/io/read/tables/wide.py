@@ -7,9 +7,9 @@ import numpy as np
 from subsoil.arrays import Floats
 from subsoil.errors import brief
 from subsoil.findings import Finding
-from subsoil.io.read.grid import Grid, Said
 from subsoil.io.read.recording import Record
-from subsoil.io.read.summaries import is_mean
+from subsoil.io.read.tables.grid import Grid, Said
+from subsoil.io.read.tables.summaries import is_mean
 
 
 def wide_records(grid: Grid) -> tuple[list[Record], list[Finding]]:

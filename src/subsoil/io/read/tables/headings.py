@@ -14,7 +14,7 @@ from typing import Literal
 
 from subsoil.errors import brief
 from subsoil.io.read.recording import METRES
-from subsoil.io.read.vocabulary import (
+from subsoil.io.read.tables.vocabulary import (
     BOTTOMS,
     DEPTHS,
     FILLERS,

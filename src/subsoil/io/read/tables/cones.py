@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import cache
 
 from subsoil.errors import ParameterError
-from subsoil.io.read.vocabulary import plain
+from subsoil.io.read.tables.vocabulary import plain
 from subsoil.penetrometer import LARGE_CONE, SMALL_CONE, Cone
 
 _BY_NAME = {"1/2": SMALL_CONE, "0.5": SMALL_CONE, "3/4": LARGE_CONE, "0.75": LARGE_CONE}

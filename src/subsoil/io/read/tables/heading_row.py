@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from subsoil.errors import ReadingsError
-from subsoil.io.read.headings import meaning_of, without
-from subsoil.io.read.sheet import Meanings, Row, Sheet
-from subsoil.io.read.vocabulary import UNIT, length_named, plain, words_of
+from subsoil.io.read.tables.headings import meaning_of, without
+from subsoil.io.read.tables.sheet import Meanings, Row, Sheet
+from subsoil.io.read.tables.vocabulary import UNIT, length_named, plain, words_of
 
 _MOST_TITLES = 60
 _ANGLES = {"°", "deg", "degrees", "dd"}

@@ -10,8 +10,8 @@ import numpy as np
 
 from subsoil.arrays import Floats
 from subsoil.errors import brief
-from subsoil.io.read.marks import Writing
 from subsoil.io.read.missing import is_missing
+from subsoil.io.read.tables.marks import Writing
 from subsoil.io.read.text import number
 
 _PLAIN = set("0123456789+-eE \t")

@@ -10,7 +10,7 @@ from shapely.geometry import LineString
 
 from subsoil.errors import BoundaryError, brief, listed
 from subsoil.findings import Finding
-from subsoil.io.read.rings import closed, gap_m, sound
+from subsoil.io.read.outlines.rings import closed, gap_m, sound
 from subsoil.land.crs import WGS84, named_crs
 from subsoil.land.outline import Area
 

@@ -14,7 +14,13 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 
 from subsoil.arrays import Floats
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.read.outlines import NOTHING, Feature, Outlines, not_an_outline, outlines_of
+from subsoil.io.read.outlines.outlines import (
+    NOTHING,
+    Feature,
+    Outlines,
+    not_an_outline,
+    outlines_of,
+)
 from subsoil.io.read.xml import Element, kind_of, parsed, word_of
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import FARTHEST_M, polygon

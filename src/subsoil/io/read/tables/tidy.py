@@ -11,9 +11,9 @@ import numpy as np
 from subsoil.arrays import Floats
 from subsoil.errors import brief
 from subsoil.findings import Finding
-from subsoil.io.read.grid import Grid, Said
-from subsoil.io.read.numbers import Numbers
 from subsoil.io.read.recording import METRES, Record
+from subsoil.io.read.tables.grid import Grid, Said
+from subsoil.io.read.tables.numbers import Numbers
 from subsoil.penetrometer import DEEPEST_M
 
 _SPOT = {"lonlat": 1e-4, "metres": 10.0, "none": np.inf}

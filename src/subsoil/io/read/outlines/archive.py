@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 from zipfile import BadZipFile, ZipFile, ZipInfo
 
 from subsoil.errors import BoundaryError, listed
-from subsoil.io.read.outlines import Outlines, left_alone
+from subsoil.io.read.outlines.outlines import Outlines, left_alone
 
 ARCHIVES = (".kmz", ".zip")
 """Suffixes of archives."""

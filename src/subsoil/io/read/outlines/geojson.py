@@ -14,7 +14,14 @@ import numpy as np
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
 from subsoil.errors import BoundaryError, brief
-from subsoil.io.read.outlines import NOTHING, Feature, Outlines, frame, name_among, outlines_of
+from subsoil.io.read.outlines.outlines import (
+    NOTHING,
+    Feature,
+    Outlines,
+    frame,
+    name_among,
+    outlines_of,
+)
 from subsoil.io.read.text import read_text
 from subsoil.land.crs import WGS84
 from subsoil.land.outline import FARTHEST_M, Area, polygon

@@ -24,16 +24,16 @@ import numpy as np
 
 from subsoil.errors import listed
 from subsoil.findings import Finding
-from subsoil.io.read.columns import Columns, columns_of
-from subsoil.io.read.grid import Grid, grid_of
-from subsoil.io.read.heading_row import heading_of
-from subsoil.io.read.outlines import frame
+from subsoil.io.read.outlines.outlines import frame
 from subsoil.io.read.recording import NEWTONS, Frame, Record, Recording
-from subsoil.io.read.row_places import Positions, positions_of
-from subsoil.io.read.sheet import NO_MEANINGS, Meanings, Row, Sheet
-from subsoil.io.read.summaries import without_summaries
-from subsoil.io.read.tidy import tidy_records
-from subsoil.io.read.wide import wide_records
+from subsoil.io.read.tables.columns import Columns, columns_of
+from subsoil.io.read.tables.grid import Grid, grid_of
+from subsoil.io.read.tables.heading_row import heading_of
+from subsoil.io.read.tables.row_places import Positions, positions_of
+from subsoil.io.read.tables.sheet import NO_MEANINGS, Meanings, Row, Sheet
+from subsoil.io.read.tables.summaries import without_summaries
+from subsoil.io.read.tables.tidy import tidy_records
+from subsoil.io.read.tables.wide import wide_records
 from subsoil.land.crs import WGS84
 
 _SPOT_M = 1.0

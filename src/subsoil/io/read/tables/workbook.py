@@ -11,7 +11,7 @@ from typing import Any
 
 from subsoil.errors import ReadingsError, brief, listed
 from subsoil.findings import Finding
-from subsoil.io.read.sheet import MOST_CELLS, Row, Sheet
+from subsoil.io.read.tables.sheet import MOST_CELLS, Row, Sheet
 from subsoil.io.read.text import check_file
 from subsoil.optional import load
 

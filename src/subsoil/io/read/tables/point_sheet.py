@@ -10,9 +10,9 @@ import numpy as np
 import shapely
 
 from subsoil.errors import BoundaryError, ReadingsError
-from subsoil.io.read.geofile import read_layer
-from subsoil.io.read.geojson import features_of
-from subsoil.io.read.sheet import Row, Sheet
+from subsoil.io.read.outlines.geofile import read_layer
+from subsoil.io.read.outlines.geojson import features_of
+from subsoil.io.read.tables.sheet import Row, Sheet
 from subsoil.land.crs import WGS84
 
 _SUFFIXES = (".gpkg", ".shp", ".geojson", ".json")

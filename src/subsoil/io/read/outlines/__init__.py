@@ -1,0 +1,1 @@
+"""Outlines as files draw them: formats, rings and tracks, parcels, archives, and their frame."""

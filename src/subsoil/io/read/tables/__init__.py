@@ -1,0 +1,1 @@
+"""Tables of readings as people write them: sheets, headings, numbers, places, rows."""
