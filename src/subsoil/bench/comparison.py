@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import stats
 
 from subsoil.arrays import Floats
 from subsoil.bench.paper import RMSE_KPA
@@ -105,7 +105,7 @@ def mean_of(values: ArrayLike) -> Mean:
     x = x[~np.isnan(x)]
     if x.size < 2:
         return Mean(float(x[0]) if x.size else np.nan, np.nan, x.size)
-    half = stats.t.ppf(0.975, x.size - 1) * x.std(ddof=1) / np.sqrt(x.size)
+    half = scipy.stats.t.ppf(0.975, x.size - 1) * x.std(ddof=1) / np.sqrt(x.size)
     return Mean(float(x.mean()), float(half), x.size)
 
 

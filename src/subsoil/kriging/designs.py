@@ -18,8 +18,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import irfft2, next_fast_len, rfft2
 
 from subsoil.arrays import Floats
 from subsoil.land.field import Field
@@ -65,7 +65,10 @@ class Designs:
         self._north, self._east = np.nonzero(inside)
         away = field.cell_size * np.hypot(np.arange(ny)[:, None], np.arange(nx))
         self._kernel = correlogram.correlation(away)
-        self._size = next_fast_len(2 * ny - 1, real=True), next_fast_len(2 * nx - 1, real=True)
+        self._size = (
+            scipy.fft.next_fast_len(2 * ny - 1, real=True),
+            scipy.fft.next_fast_len(2 * nx - 1, real=True),
+        )
         self._spectrum = self._transformed(self._kernel)
         self._weights = np.zeros(inside.shape)
         self._weights[inside] = weights / weights.sum()
@@ -121,9 +124,9 @@ class Designs:
         whole[:ny, :nx] = kernel
         whole[self._size[0] - ny + 1 :, :nx] = kernel[:0:-1]
         whole[:, self._size[1] - nx + 1 :] = whole[:, nx - 1 : 0 : -1]
-        return np.asarray(rfft2(whole))
+        return np.asarray(scipy.fft.rfft2(whole))
 
     def _convolved(self, images: Floats, spectrum: NDArray[np.complex128]) -> Floats:
         """(..., N) values at the cells of (..., ny, nx) images convolved with a kernel."""
-        product = irfft2(rfft2(images, self._size) * spectrum, self._size)
+        product = scipy.fft.irfft2(scipy.fft.rfft2(images, self._size) * spectrum, self._size)
         return np.asarray(product[..., self._north, self._east])

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.spatial import KDTree
 
 from subsoil.arrays import Floats, Indices
 from subsoil.errors import ParameterError, SingularSystemError
@@ -82,8 +82,8 @@ class Covariate:
         return self.values[self._tree.query(places)[1]]
 
     @cached_property
-    def _tree(self) -> KDTree:
-        return KDTree(self.at)
+    def _tree(self) -> scipy.spatial.KDTree:
+        return scipy.spatial.KDTree(self.at)
 
 
 NO_COVARIATE = Covariate(np.empty((0, 2)), np.empty(0))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.spatial import KDTree
 
 from subsoil.arrays import Floats, Indices
 from subsoil.kriging.covariance import lags
@@ -235,7 +235,7 @@ def at_cells(ok: OrdinaryKriging, field: Field) -> KrigedAt:
     if fits_at_once(ok.system, cells) or grid.inside.mean() < _FILLED:
         return at_targets(ok, cells)
     mean, variance, _ = predicted_on_grid(ok.system, grid.easting, grid.northing)
-    away, nearest = KDTree(cells).query(ok.at)
+    away, nearest = scipy.spatial.KDTree(cells).query(ok.at)
     pins = np.column_stack([nearest, np.arange(len(ok.at))])[away == 0.0]
     inside = mean[:, grid.inside], variance[:, grid.inside]
     return _sound(KrigedAt(ok, cells, base_at(ok.system, cells), *inside, pins, None))

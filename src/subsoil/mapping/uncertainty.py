@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import nan
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.special import fdtr, fdtri, ndtr
 
 from subsoil.arrays import Bools, Floats, Integers
 from subsoil.mapping.soilmap import SoilMap
@@ -59,13 +59,15 @@ class MeanSquare:
         """Probability that the root mean square error is at or below a value in kPa."""
         if self.kv == 0:
             return 1.0
-        return float(fdtr(self.errors, self.sills, rmse * rmse / self.kv))
+        return float(scipy.special.fdtr(self.errors, self.sills, rmse * rmse / self.kv))
 
     def rmse(self, probability: float) -> float:
         """Root mean square error in kPa that is not passed with a probability."""
         if self.kv == 0:
             return 0.0
-        return float(standard_deviation(self.kv * fdtri(self.errors, self.sills, probability)))
+        return float(
+            standard_deviation(self.kv * scipy.special.fdtri(self.errors, self.sills, probability))
+        )
 
 
 def predicted_rmse(soil_map: SoilMap) -> float:
@@ -138,7 +140,7 @@ def probability_above(mean: ArrayLike, deviation: ArrayLike, threshold: float) -
     spread = np.asarray(deviation, dtype=float)
     certain = np.where(over_it > 0, np.inf, -np.inf)
     ratio = np.divide(over_it, spread, out=certain, where=spread != 0.0)
-    result: Floats = ndtr(ratio)
+    result: Floats = scipy.special.ndtr(ratio)
     return result
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky
-from scipy.spatial.distance import pdist, squareform
+import scipy
 
 from subsoil.arrays import Floats
 from subsoil.errors import SingularSystemError
@@ -34,11 +33,13 @@ def covariance_factor(
     SingularSystemError
         If it is not positive definite.
     """
-    matrix = squareform(covariance(pdist(at)))
+    matrix = scipy.spatial.distance.squareform(covariance(scipy.spatial.distance.pdist(at)))
     np.fill_diagonal(matrix, covariance(np.zeros(1))[0])
     try:
-        factor: Floats = cholesky(matrix, lower=True, overwrite_a=True, check_finite=False)
-    except LinAlgError as error:
+        factor: Floats = scipy.linalg.cholesky(
+            matrix, lower=True, overwrite_a=True, check_finite=False
+        )
+    except np.linalg.LinAlgError as error:
         raise SingularSystemError(
             f"{what} at {len(at)} places is not positive definite",
             where=where,

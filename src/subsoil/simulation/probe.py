@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy
 
 from subsoil.arrays import Floats
 from subsoil.errors import ParameterError
@@ -149,5 +149,7 @@ def mean_resistance(layers: Layers, kpa: Floats, depth_m: Floats) -> Floats:
     if depth_m[-1] > edges[-1]:
         edges, kpa = np.append(edges, depth_m[-1]), np.append(kpa, kpa[-1])
     summed = np.concatenate([[0.0], np.cumsum(kpa * np.diff(edges))])
-    to_readings = PchipInterpolator(edges, summed)(np.concatenate([[0.0], depth_m]))
+    to_readings = scipy.interpolate.PchipInterpolator(edges, summed)(
+        np.concatenate([[0.0], depth_m])
+    )
     return np.diff(to_readings) / np.diff(depth_m, prepend=0.0)

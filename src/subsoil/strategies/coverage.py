@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import ceil
 
 import numpy as np
+import scipy
 import shapely
-from scipy.spatial.distance import cdist
 from shapely.geometry import LineString
 
 from subsoil.arrays import Floats, Integers
@@ -118,7 +118,9 @@ def areas(field: Field, k: int, rounds: int, rng: np.random.Generator) -> tuple[
     surplus_m2 = _YIELD * fair * field.cell_size**2
     centres, offset = cells[rng.choice(len(cells), k, replace=False)], np.zeros(k)
     for _ in range(rounds):
-        owner = np.argmin(cdist(cells, centres, "sqeuclidean") + offset, axis=1)
+        owner = np.argmin(
+            scipy.spatial.distance.cdist(cells, centres, "sqeuclidean") + offset, axis=1
+        )
         size = np.bincount(owner, minlength=k)
         total = np.stack([np.bincount(owner, xy, minlength=k) for xy in cells.T], axis=1)
         centres = np.where(size[:, None] > 0, total / np.maximum(size, 1)[:, None], centres)

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.distance import cdist
+import scipy
 
 from subsoil.arrays import Floats, Integers
 
@@ -102,4 +102,4 @@ def _halved(at: Floats, members: Integers) -> list[Integers]:
 
 def lags_of(at: Floats) -> Floats:
     """(n, n) distances in m between (n, 2) places."""
-    return np.asarray(cdist(at, at))
+    return np.asarray(scipy.spatial.distance.cdist(at, at))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from math import exp, inf, isclose, log
 
 import numpy as np
-from scipy.special import xlog1py, xlogy
+import scipy
 from threadpoolctl import threadpool_limits
 
 from subsoil.arrays import Floats
@@ -180,7 +180,11 @@ class Reml:
         """(k, m) log likelihood of k ranges with their nugget shares, prior included."""
         away = (np.log(ranges) - log(self.median_range)) / self.log_sd
         first, second = self.nugget_beta
-        prior = -0.5 * away**2 + xlogy(first - 1.0, shares) + xlog1py(second - 1.0, -shares)
+        prior = (
+            -0.5 * away**2
+            + scipy.special.xlogy(first - 1.0, shares)
+            + scipy.special.xlog1py(second - 1.0, -shares)
+        )
         total = np.repeat(prior[:, None], len(parts[0][1]), axis=1)
         for lag, z in parts:
             differ = np.ptp(z, axis=1) > 0

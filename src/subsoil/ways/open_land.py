@@ -17,10 +17,9 @@ from itertools import pairwise
 from typing import cast
 
 import numpy as np
+import scipy
 import shapely
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse.csgraph import shortest_path
-from scipy.spatial.distance import cdist
 from shapely.geometry.polygon import orient
 
 from subsoil.arrays import Bools, Floats
@@ -97,9 +96,11 @@ class OpenLand:
 
         Infinite where there is no way, and the corner negative.
         """
-        step = cdist(self.corners, self.corners)
+        step = scipy.spatial.distance.cdist(self.corners, self.corners)
         step[~_visible(self.walls, self.corners, self.corners)] = np.inf
-        length, before = shortest_path(step, method="D", directed=False, return_predecessors=True)
+        length, before = scipy.sparse.csgraph.shortest_path(
+            step, method="D", directed=False, return_predecessors=True
+        )
         return length, np.asarray(before, dtype=np.int32)
 
     def between(self, a: ArrayLike, b: ArrayLike) -> Floats:
@@ -117,12 +118,12 @@ class OpenLand:
         array([[100.,  20.,  60.]])
         """
         a, b = _places(a), _places(b)
-        straight = cdist(a, b)
+        straight = scipy.spatial.distance.cdist(a, b)
         if not self.walls:
             return straight
         one, other = self._sight(a), self._sight(b)
         bent = _through(_through(one.corners, self._ways[0]), other.corners.T)
-        direct = cdist(one.at, other.at)
+        direct = scipy.spatial.distance.cdist(one.at, other.at)
         direct[~_visible(self.walls, one.at, other.at)] = np.inf
         inside = np.minimum(direct, bent, out=bent)
         inside += one.approach[:, None] + other.approach
@@ -230,7 +231,7 @@ def _looked(free: Area, walls: tuple[Floats, ...], corners: Floats, places: Floa
     at, points = places.copy(), np.asarray(shapely.points(places))
     off = ~shapely.dwithin(free, points, _GRAZE_M / 2)
     at[off] = shapely.get_coordinates(shapely.shortest_line(points[off], free))[1::2]
-    seen = cdist(at, corners)
+    seen = scipy.spatial.distance.cdist(at, corners)
     seen[~_visible(walls, at, corners)] = np.inf
     return _Sight(at, np.hypot(*(places - at).T), seen)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from subsoil.arrays import Floats
 from subsoil.errors import ReadingsError
@@ -119,7 +119,7 @@ def _of_points(path: Path, field: Field, column: str | None, crs: str | None) ->
     at, values = at[~coded], values[~coded]
     nearest = _nearest(at, field.cells, field, path.name)
     half = field.cell_size / 2
-    offset, cell = (np.asarray(a) for a in KDTree(field.cells).query(at, p=np.inf))
+    offset, cell = (np.asarray(a) for a in scipy.spatial.KDTree(field.cells).query(at, p=np.inf))
     inside = offset <= half
     count = np.bincount(cell[inside], minlength=len(field.cells))
     total = np.bincount(cell[inside], values[inside], minlength=len(field.cells))
@@ -151,7 +151,9 @@ def _nearest(at: Floats, cells: Floats, field: Field, file: str) -> Floats:
         If nothing is known near some of the cells.
     """
     most = FARTHEST_CELLS * field.cell_size
-    away, nearest = KDTree(at).query(cells) if len(at) else (np.full(len(cells), np.inf), [])
+    away, nearest = (
+        scipy.spatial.KDTree(at).query(cells) if len(at) else (np.full(len(cells), np.inf), [])
+    )
     missing = np.flatnonzero(np.asarray(away) > most)
     if not missing.size:
         return np.asarray(nearest)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial import KDTree
+import scipy
 
 from subsoil.arrays import Bools, Floats, Integers
 from subsoil.errors import listed
@@ -72,7 +72,7 @@ def _alone(at: Floats, away: Floats, least_m: float) -> Bools:
     alone[~np.isfinite(away)] = True
     known = np.flatnonzero(far & np.isfinite(away))
     if known.size:
-        nearest = np.asarray(KDTree(at[np.isfinite(away)]).query(at[known], k=2)[0])
+        nearest = np.asarray(scipy.spatial.KDTree(at[np.isfinite(away)]).query(at[known], k=2)[0])
         alone[known] = nearest[:, 1] > least_m
     return alone
 
@@ -84,7 +84,7 @@ def _apart(at: Floats, away: Floats, least_m: float) -> Bools:
         return np.zeros(len(at), dtype=bool)
     apart = far.copy()
     known = far & np.isfinite(away)
-    apart[known] = KDTree(at[~far]).query(at[known])[0] > least_m
+    apart[known] = scipy.spatial.KDTree(at[~far]).query(at[known])[0] > least_m
     return apart
 
 
@@ -92,7 +92,7 @@ def _gap(at: Floats, away: Floats, astray: Bools) -> Floats:
     """(n,) metres from the nearest place that is not astray."""
     gap = np.full(len(at), np.inf)
     known = np.isfinite(away)
-    gap[known] = KDTree(at[~astray]).query(at[known])[0]
+    gap[known] = scipy.spatial.KDTree(at[~astray]).query(at[known])[0]
     return gap
 
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
+import scipy
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from subsoil.errors import BoundaryError, listed
 from subsoil.findings import Finding
@@ -90,8 +89,10 @@ def _check_apart(parcels: Sequence[Parcel], file: str) -> None:
     areas = np.array([each.area for each in parcels], dtype=object)
     tree = shapely.STRtree(areas)
     one, other = tree.query(areas, predicate="dwithin", distance=APART_M)
-    links = coo_array((np.ones(len(one)), (one, other)), shape=(len(areas), len(areas)))
-    groups, _ = connected_components(links, directed=False)
+    links = scipy.sparse.coo_array(
+        (np.ones(len(one)), (one, other)), shape=(len(areas), len(areas))
+    )
+    groups, _ = scipy.sparse.csgraph.connected_components(links, directed=False)
     if groups == 1:
         return
     names = [_called(each, file) for each in parcels]
