@@ -45,6 +45,7 @@ bench: $(READY)
 
 # Warnings are errors: a name that is not there, a page that nothing leads to, an example that fails.
 docs: $(READY)
+	rm -rf docs/examples docs/reference/api docs/reference/commands docs/reference/rooms
 	$(BIN)/python -m sphinx --builder html --fresh-env --fail-on-warning --keep-going --quiet docs docs/_build/html
 	@echo "Open docs/_build/html/index.html."
 

@@ -33,7 +33,7 @@ nitpick_ignore = [
     ("py:class", name)
     for name in (
         # Imported for types alone: nothing has them when pages are made.
-        *("ArrayLike", "CRS", "Dataset", "Figure", "Outlook", "Path"),
+        *("ArrayLike", "Axes", "CRS", "Dataset", "Drawn", "Figure", "Format", "Outlook", "Path"),
         # What autodoc makes of the union of all events within another type.
         *("FieldInfo", "NoneType", "types.Annotated"),
     )

@@ -123,6 +123,8 @@ def _table(head: Head, rows: Sequence[str], file: str) -> tuple[Floats, list[Fin
     """(k, c) numbers, NaN where void, of rows that hold as many as the head says."""
     infos = head.get("COLUMNINFO", ())
     width = max((int(line[0]) for line in infos if _ok(line)), default=0)
+    if not width:
+        raise ReadingsError("its head names no columns", where=file, remedy="export it again")
     separator = _first(head, "COLUMNSEPARATOR") or None
     found: list[list[float]] = []
     findings: list[Finding] = []
