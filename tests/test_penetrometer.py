@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from subsoil.errors import ParameterError, ReadingsError
+from subsoil.layers import Layers
 from subsoil.penetrometer import (
     LARGE_CONE,
     LARGEST_MM2,
@@ -18,6 +19,7 @@ from subsoil.penetrometer import (
     SMALLEST_MM2,
     Cone,
     Insertion,
+    Profile,
     faults,
     flags_of,
     profile,
@@ -175,3 +177,20 @@ def test_what_no_penetrometer_says_is_named(reading: Reading, words: str) -> Non
 def test_a_push_that_read_nothing_is_no_fault() -> None:
     assert faults(Reading(depth_m=()), SMALL_CONE) == ""
     assert profile_of(Reading(depth_m=()), SMALL_CONE).depth_m.size == 0
+
+
+@pytest.mark.parametrize("top", [(0.0, 0.05), (0.0, 0.25), (0.0,), (-0.1, 0.1)])
+def test_stretches_of_soil_that_overlap_or_do_not_pair_are_refused(top: tuple[float, ...]) -> None:
+    depth, kpa = np.array([0.1, 0.2]), np.array([500.0, 900.0])
+    with pytest.raises(ReadingsError, match=r"stretches of soil .* overlap"):
+        Profile(depth, kpa, top_m=np.array(top))
+    reading = Reading(depth_m=(0.1, 0.2), kpa=(500.0, 900.0), top_m=top)
+    assert "overlap" in faults(reading, SMALL_CONE)
+
+
+def test_a_gap_between_readings_stays_one() -> None:
+    reading = Reading(depth_m=(0.1, 0.3), kpa=(500.0, 900.0), top_m=(0.0, 0.2))
+    found = profile_of(reading, SMALL_CONE)
+    assert (found.top_m.tolist(), found.depth_m.tolist()) == ([0.0, 0.2], [0.1, 0.3])
+    sample = Layers((0.0, 0.1, 0.2, 0.3)).sample(found, (0.0, 0.0))
+    np.testing.assert_allclose(sample.measured_kpa, [500.0, np.nan, 900.0])

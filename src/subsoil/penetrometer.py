@@ -23,14 +23,13 @@ HARDEST_N, HARDEST_KPA = 200_000.0, 100_000.0
 """Force and pressure that no penetrometer measures."""
 DEEPEST_M = 3.0
 """Depth that no penetrometer reaches."""
+_OVERLAP = "the stretches of soil that its values stand for overlap"
 BOUNCED, BELOW_ZERO = "bounced", "below-zero"
 """Flags of readings whose rod went up again on its way, and whose force was below zero."""
 
 SMALLEST_MM2, LARGEST_MM2 = 10.0, 10_000.0
 """Base areas in mm2 beyond which there is no cone in use. ASABE S313.3 has 130 and 323 mm2, hand
 penetrometers have 100 to 500, cone penetration tests (ISO 22476-1) 500 to 2000 mm2."""
-
-
 Strength = TypeVar("Strength", float, Floats)
 """A force or a pressure, or an array of them."""
 
@@ -138,8 +137,7 @@ class Profile:
     Raises
     ------
     ReadingsError
-        If depths do not increase, tops lie above the reading above or not above their own depth,
-        or a number cannot be.
+        If depths do not increase, stretches of soil overlap, or a number cannot be.
     """
 
     depth_m: Floats
@@ -149,17 +147,10 @@ class Profile:
 
     def __post_init__(self) -> None:
         _check_series(self.depth_m, self.kpa, "pressure", SLIGHT_KPA)
-        above = np.zeros(self.depth_m.size)
-        above[1:] = self.depth_m[:-1]
         if not self.top_m.size:
-            object.__setattr__(self, "top_m", above)
-        elif (
-            self.top_m.shape != above.shape
-            or not ((self.top_m >= above) & (self.top_m <= self.depth_m)).all()
-        ):
-            raise ReadingsError(
-                "stretches of soil that readings stand for overlap", where="profile"
-            )
+            object.__setattr__(self, "top_m", np.concatenate([[0.0], self.depth_m])[:-1])
+        elif _overlap(self.top_m, self.depth_m):
+            raise ReadingsError(_OVERLAP, where="profile")
         self.top_m.setflags(write=False)
 
 
@@ -235,18 +226,15 @@ def faults(reading: Reading, cone: Cone) -> str:
         return f"depths are not all within {DEEPEST_M:g} m: they are in m, positive down"
     if depth.size and (depth < 0).all():
         return "all depths are above the ground: they are in m, positive down"
-    return _wrong_tops(reading) or _wrong_values(reading, tip)
+    if reading.top_m and _overlap(np.array(reading.top_m), depth):
+        return _OVERLAP
+    return _wrong_values(reading, tip)
 
 
-def _wrong_tops(reading: Reading) -> str:
-    """Why the stretches of soil that values stand for cannot be; empty if they can."""
-    if not reading.top_m:
-        return ""
-    top, depth = np.array(reading.top_m), np.array(reading.depth_m)
-    above = np.concatenate([[0.0], depth[:-1]])
-    if top.shape != depth.shape or not ((top >= above) & (top <= depth)).all():
-        return "the stretches of soil that its values stand for overlap"
-    return ""
+def _overlap(top_m: Floats, depth_m: Floats) -> bool:
+    """Whether stretches of soil from some tops to depths, (k,) in m, overlap or do not pair."""
+    above = np.concatenate([[0.0], depth_m])[:-1]
+    return top_m.shape != depth_m.shape or bool(((top_m < above) | (top_m > depth_m)).any())
 
 
 def _wrong_values(reading: Reading, tip: Cone | Tip) -> str:
