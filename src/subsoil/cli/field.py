@@ -90,6 +90,10 @@ ConeArea = Annotated[
         rich_help_panel=FIELD,
     ),
 ]
+ConeAngle = Annotated[
+    float,
+    typer.Option(metavar="DEG", help="Apex angle of the cone.", rich_help_panel=FIELD),
+]
 OptionalConeArea = Annotated[
     float | None,
     typer.Option(

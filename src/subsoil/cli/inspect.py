@@ -89,16 +89,19 @@ def plan(
     tell_table("Stops", ("stop", *stop_of(state, 0)), numbered, SYSTEMS[units])
 
 
+PictureFolder = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR",
+        help="Folder for a picture of what more would buy.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+
+
 def status(
     survey: SurveyFile,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Folder for a picture of what more would buy.",
-            rich_help_panel=OUTPUT,
-        ),
-    ] = None,
+    out: PictureFolder = None,
     figures: FigureFormat = "png",
     units: Shown = "metric",
     as_json: AsJson = False,

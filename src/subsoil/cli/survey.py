@@ -11,7 +11,16 @@ from typing import Annotated, Literal
 import typer
 
 from subsoil.cli.covariate import Column, CovariateFile, covariate_of
-from subsoil.cli.field import Boundary, CellSize, ConeArea, Crs, Edges, FieldName, KeepOuts
+from subsoil.cli.field import (
+    Boundary,
+    CellSize,
+    ConeAngle,
+    ConeArea,
+    Crs,
+    Edges,
+    FieldName,
+    KeepOuts,
+)
 from subsoil.cli.found import exit_for, said
 from subsoil.cli.inspect import summary, tell_survey
 from subsoil.cli.limits import LimitOptions
@@ -28,7 +37,7 @@ from subsoil.cli.options import (
 )
 from subsoil.cli.output import AsJson, Shown, progress, resumable, tell
 from subsoil.cli.pace import PaceOptions
-from subsoil.cli.parsing import FIELD, ROBOT, grouped
+from subsoil.cli.parsing import ROBOT, grouped
 from subsoil.io.read.boundary import read_field
 from subsoil.journal import Journal, create, open_journal
 from subsoil.penetrometer import Cone
@@ -92,10 +101,7 @@ def init(
     name: FieldName = "",
     cell: CellSize = 5.0,
     cone_area: ConeArea = 130.0,
-    cone_angle: Annotated[
-        float,
-        typer.Option(metavar="DEG", help="Apex angle of the cone.", rich_help_panel=FIELD),
-    ] = 30.0,
+    cone_angle: ConeAngle = 30.0,
     layers: Edges = DEFAULT_EDGES,
     keep_outs: KeepOuts = None,
     crs: Crs = None,
@@ -113,7 +119,6 @@ def init(
     first = opening(field, layers_of(layers), cone, known.values.tolist())
     with create(survey, first) as journal:
         LocalDispatch(opened(first), journal).record(Configured(settings=settings))
-    machine = Machine(Cone(cone_area, cone_angle))
     result = {
         "survey": survey,
         "field": field.name,
@@ -121,7 +126,7 @@ def init(
         "crs": field.crs or "local frame",
         "cells": len(field.cells),
         "cone_area_mm2": cone_area,
-        "force_limit_kpa": machine.cone.pressure_kpa(machine.force_limit_n),
+        "force_limit_kpa": cone.pressure_kpa(Machine(cone).force_limit_n),
         **said(findings, as_json=as_json),
     }
     tell(result, as_json, SYSTEMS[units])

@@ -104,12 +104,8 @@ def read_readings(
     beside = read_positions(positions) if positions is not None else None
     recording = _recording(path, reader, meanings, units or "", placed=beside is not None)
     recording = located(recording, beside, path.name)
-    records, codes = without_codes(recording.records, path.name)
     factor = kpa_per_unit(recording.unit, units, cone, path.name)
-    pushes, unfit = screened(records, factor, recording.frame, path.name)
-    findings = (*recording.findings, *codes, *unfit)
-    if not pushes:
-        raise _none_usable(left_out(findings), path.name)
+    pushes, findings = _usable(recording, factor, path.name)
     rows = np.array([push.record.row for push in pushes], dtype=np.int64)
     places, source = _places(pushes, recording, path.name), crs or recording.crs or None
     at, home = places.metres(field, source)
@@ -166,6 +162,18 @@ def _installed() -> Iterator[Reader]:
     """Readers of installed packages."""
     found = (point.load() for point in entry_points(group=READER_POINTS))
     return (each for each in found if isinstance(each, Reader))
+
+
+def _usable(
+    recording: Recording, kpa_per_unit: float, file: str
+) -> tuple[tuple[Push, ...], tuple[Finding, ...]]:
+    """Pushes of a recording that can be used, one at least, and all findings so far."""
+    records, codes = without_codes(recording.records, file)
+    pushes, unfit = screened(records, kpa_per_unit, recording.frame, file)
+    findings = (*recording.findings, *codes, *unfit)
+    if not pushes:
+        raise _none_usable(left_out(findings), file)
+    return pushes, findings
 
 
 def _places(pushes: Sequence[Push], recording: Recording, file: str) -> Places:
